@@ -1,0 +1,18 @@
+//! What simulators and learners agree on.
+//!
+//! A [`Dataset`] is a [`Log`] (what the robot knows) and a [`Truth`] (what only the simulator or a
+//! motion-capture rig knows). Learners and diagnosers are given `&Log` alone: nothing in a `Log`
+//! leads to its `Truth`, so that a leak does not compile.
+
+pub mod log;
+pub mod models;
+pub mod parameters;
+pub mod seed;
+pub mod survey;
+pub mod truth;
+
+pub use log::{Action, Beacon, Camera, Channel, Command, Frame, Known, Log, Odometry, Sighting, Size, Timed};
+pub use models::{ActionModel, Models, Noise, SensorModel};
+pub use seed::{Rng, Seed};
+pub use survey::Survey;
+pub use truth::{Dataset, Provenance, TruePose, Truth};

@@ -1,0 +1,154 @@
+//! The door that every learner stands behind.
+
+use asami_dataset::parameters::Parameter;
+use asami_dataset::{Log, Models, Rng};
+
+/// Learns models from a log.
+///
+/// A learner is given what the robot knows and nothing else; randomness is an argument.
+pub trait Learner: Send + Sync {
+    /// What it is, and whose.
+    fn about(&self) -> &'static About;
+
+    /// Learns from `log`, starting at `given` (a starting action model, or a model that the method
+    /// takes as known; [`About::needs`] says which).
+    ///
+    /// # Errors
+    /// [`CannotLearn`] says what the log or `given` lacks. Divergence is no error but a
+    /// [`Verdict`].
+    fn learn(&self, log: &Log, given: &Models, rng: &mut Rng) -> Result<Learned, CannotLearn>;
+}
+
+/// A learner's row in the catalogue.
+#[derive(Debug)]
+pub struct About {
+    /// Its name in scenarios and tables.
+    pub name: &'static str,
+    /// One sentence.
+    pub what: &'static str,
+    /// Section, equation or paper.
+    pub source: &'static str,
+    /// What it must be given to start from.
+    pub needs: Needs,
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+}
+
+/// What a learner must be given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// Nothing: no starting model.
+    Nothing,
+    /// An action model, to start from or as known.
+    Action,
+    /// A sensor model, taken as known.
+    Sensor,
+}
+
+/// What a learner learned, and how it got there.
+#[derive(Clone, Debug, Default)]
+pub struct Learned {
+    /// The models, with standard errors where the method gives them.
+    pub models: Models,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// Passes over the data, for methods that iterate.
+    pub iterations: Option<u32>,
+    /// The models on the way, for learning curves.
+    pub history: Vec<Step>,
+    /// Curves worth drawing, by name: `"w_a"` and `"w_s"` of Figure 3.7, say.
+    pub traces: Vec<Trace>,
+    /// What the log could not determine.
+    pub lacks: Vec<Lack>,
+}
+
+/// How learning ended, as far as the learner itself can tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Verdict {
+    /// It converged, or has no rule by which it would not have.
+    #[default]
+    Converged,
+    /// A rule of the method's own says that it failed.
+    Diverged {
+        /// Which.
+        rule: &'static str,
+    },
+}
+
+/// One point of a learning curve.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Seconds into the log, of a method that learns as it goes.
+    pub t_s: Option<f64>,
+    /// Log-likelihood in nats, of a method that has one.
+    pub log_likelihood: Option<f64>,
+    /// The models then.
+    pub models: Models,
+}
+
+/// A named curve over time.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// What is drawn.
+    pub name: &'static str,
+    /// Time in seconds, and value.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Something that the log could not determine; what was learned is given all the same.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Lack {
+    /// The robot was never commanded to move, or only at one speed.
+    #[error("commands take fewer than {needed} distinct speeds ({found}), too few for the action model's degree")]
+    FewSpeeds {
+        /// Distinct speeds found.
+        found: usize,
+        /// Needed for the degree.
+        needed: usize,
+    },
+    /// The observation hardly changed.
+    #[error("observations span only {span} ({unit}): the sensor model outside that span is extrapolated")]
+    NarrowObservations {
+        /// Greatest less least observation.
+        span: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+}
+
+/// What kept a learner from learning at all.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CannotLearn {
+    /// No landmark was ever seen.
+    #[error("the log has no sightings")]
+    NoSightings,
+    /// No command was ever given.
+    #[error("the log has no commands")]
+    NoCommands,
+    /// Too few observations for the number of unknowns.
+    #[error("the log has {found} observations; {needed} are needed for this many unknowns")]
+    TooShort {
+        /// Observations found.
+        found: usize,
+        /// Observations needed.
+        needed: usize,
+    },
+    /// The commands are of another robot.
+    #[error("the log's commands have no forward speed (a car's pedals?)")]
+    WrongCommands,
+    /// More than one landmark where the method takes one.
+    #[error("the log sights {found} landmarks; this method takes logs of one")]
+    SeveralLandmarks {
+        /// How many.
+        found: usize,
+    },
+    /// Heights and ranges in one log.
+    #[error("the log mixes heights and ranges")]
+    MixedSightings,
+    /// The method needs a model that was not given.
+    #[error("this method must be given {0}")]
+    NotGiven(&'static str),
+    /// The data leave the models undetermined.
+    #[error("the log does not determine the models: {0}")]
+    Undetermined(String),
+}

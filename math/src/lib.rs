@@ -1,0 +1,8 @@
+//! Textbook kernels that both simulators and learners use. Every module is named for its subject.
+//!
+//! Units are whatever the caller uses; angles are radians. Nothing here reads files, clocks or
+//! global random state.
+
+pub mod angle;
+pub mod elementary;
+pub mod polynomial;

@@ -1,0 +1,4 @@
+//! Policies: what the robot is commanded, chosen from the logged past.
+
+pub mod hold;
+pub mod pace;

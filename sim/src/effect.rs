@@ -1,0 +1,119 @@
+//! What an effect is: one named phenomenon that a nominal simulator leaves out.
+
+use asami_dataset::parameters::Parameter;
+use asami_dataset::{Action, Rng, Sighting};
+
+use crate::knobs::Knobs;
+
+/// One unmodelled phenomenon with its parameters.
+///
+/// Most effects only [`tune`](Effect::tune) a constant; those with memory or random draws add a
+/// [`Stage`]. At its null value an effect changes no bit of a log.
+pub trait Effect: Send + Sync {
+    /// Its row in the catalogue.
+    fn about(&self) -> &'static About;
+
+    /// Its parameters' values, in the order of [`About::parameters`].
+    fn values(&self) -> Vec<f64>;
+
+    /// Turns the knobs as they stand `t_s` seconds into the log.
+    fn tune(&self, t_s: f64, knobs: &mut Knobs) {
+        let _ = (t_s, knobs);
+    }
+
+    /// A stage with memory or random draws of its own, if it has one. It is fresh for every world;
+    /// `rng` is the effect's own stream.
+    fn stage(&self, rng: Rng) -> Option<Stage> {
+        let _ = rng;
+        None
+    }
+
+    /// Whether every parameter has the value at which the effect does nothing.
+    fn is_null(&self) -> bool {
+        self.values().iter().zip(self.about().parameters).all(|(value, parameter)| *value == parameter.default)
+    }
+}
+
+/// A step of the pipeline that an effect inserts; closed, because these are the pipeline's places.
+pub enum Stage {
+    /// Between the logged command and what the gait attempts; called once a control tick with the
+    /// tick's time.
+    Command(Box<dyn FnMut(f64, Action) -> Action + Send>),
+    /// On the servos' set-points in radians, once a control tick.
+    Joint(Box<dyn FnMut(f64, &mut [f64]) + Send>),
+    /// On what one frame's vision reports, once a frame.
+    Sighting(Box<dyn FnMut(f64, &mut Vec<Sighting>) + Send>),
+}
+
+/// Where in the loop an effect acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Place {
+    /// Between command and joint torque.
+    Actuation,
+    /// Bodies, contacts and terrain.
+    Dynamics,
+    /// Between the world and the observation.
+    Sensing,
+    /// What stands around the robot.
+    Scene,
+}
+
+/// Which of the diagnosis's flexible blocks an effect would show in, were it unknown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Block {
+    /// A curve from command to velocity.
+    StaticMotion,
+    /// Delays and lags.
+    Timing,
+    /// Slow change over the log.
+    Drift,
+    /// A curve from state to observation.
+    Sensor,
+    /// Sizes and tails of noise.
+    Noise,
+}
+
+/// An effect's row in the catalogue.
+#[derive(Debug)]
+pub struct About {
+    /// Its key under `[effects]`.
+    pub name: &'static str,
+    /// One sentence on what it is.
+    pub what: &'static str,
+    /// Where it acts.
+    pub place: Place,
+    /// Where it would show.
+    pub block: Block,
+    /// Robots it fits.
+    pub fits: &'static [&'static str],
+    /// Where its size comes from.
+    pub source: &'static str,
+    /// Its parameters; each default is the null value, each range the plausible one.
+    pub parameters: &'static [Parameter],
+}
+
+/// Declares an effect's parameters and its row in the catalogue.
+macro_rules! effect {
+    (
+        $(#[$meta:meta])* $T:ident, $name:literal, $what:literal, $place:ident, $block:ident,
+        fits [$($fit:literal),*], source $source:literal,
+        { $($body:tt)* }
+    ) => {
+        asami_dataset::parameters! { $(#[$meta])* pub struct $T { $($body)* } }
+        impl $T {
+            /// The effect's row in the catalogue.
+            #[must_use]
+            pub fn about() -> &'static $crate::effect::About {
+                use asami_dataset::parameters::Parameters;
+                static ABOUT: std::sync::LazyLock<$crate::effect::About> =
+                    std::sync::LazyLock::new(|| $crate::effect::About {
+                        name: $name, what: $what, place: $crate::effect::Place::$place,
+                        block: $crate::effect::Block::$block, fits: &[$($fit),*], source: $source,
+                        parameters: $T::table(),
+                    });
+                &ABOUT
+            }
+        }
+    };
+}
+pub(crate) use effect;

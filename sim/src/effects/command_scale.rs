@@ -1,0 +1,36 @@
+//! Motors that turn a command into less, or more, than was asked for.
+
+use crate::effect::{About, Effect, effect};
+use crate::knobs::Knobs;
+
+effect! {
+    /// The gait attempts a fixed multiple of the command.
+    CommandScale, "command_scale",
+    "The robot attempts a fixed multiple of the commanded velocities.",
+    Actuation, StaticMotion, fits ["aibo", "plain", "create"],
+    source "Stronger 2008, section 4.4.3: attempted velocities x 3/4 after 8 of 16 minutes",
+    {
+        /// Factor on the rightward velocity.
+        x_ratio: f64 = 1.0, "1", 0.5..=1.5;
+        /// Factor on the forward velocity.
+        y_ratio: f64 = 1.0, "1", 0.5..=1.5;
+        /// Factor on the turning rate.
+        theta_ratio: f64 = 1.0, "1", 0.5..=1.5;
+    }
+}
+
+impl Effect for CommandScale {
+    fn about(&self) -> &'static About {
+        Self::about()
+    }
+
+    fn values(&self) -> Vec<f64> {
+        asami_dataset::parameters::Parameters::values(self)
+    }
+
+    fn tune(&self, _t_s: f64, knobs: &mut Knobs) {
+        for (scale, ratio) in knobs.command.scale.iter_mut().zip([self.x_ratio, self.y_ratio, self.theta_ratio]) {
+            *scale *= ratio;
+        }
+    }
+}

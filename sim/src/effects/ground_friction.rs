@@ -1,0 +1,30 @@
+//! A floor more slippery or more grippy than the nominal one.
+
+use crate::effect::{About, Effect, effect};
+use crate::knobs::Knobs;
+
+effect! {
+    /// The friction between feet and ground is a multiple of the nominal one.
+    GroundFriction, "ground_friction",
+    "Feet grip the ground less, or more, than nominally.",
+    Dynamics, StaticMotion, fits ["aibo"],
+    source "rubber on carpet to plastic on lino: coefficients of about 1.0 down to 0.15",
+    {
+        /// Factor on the nominal friction coefficient.
+        ratio: f64 = 1.0, "1", 0.1..=1.5;
+    }
+}
+
+impl Effect for GroundFriction {
+    fn about(&self) -> &'static About {
+        Self::about()
+    }
+
+    fn values(&self) -> Vec<f64> {
+        asami_dataset::parameters::Parameters::values(self)
+    }
+
+    fn tune(&self, _t_s: f64, knobs: &mut Knobs) {
+        knobs.ground.friction *= self.ratio;
+    }
+}

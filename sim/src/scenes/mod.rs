@@ -1,0 +1,3 @@
+//! What stands around the robot.
+
+pub mod field;

@@ -1,0 +1,65 @@
+//! A robot in a scene, and the one loop that runs it.
+
+use asami_dataset::{Action, Channel, Command, Dataset, Frame, Known, Log, Odometry, Sighting, TruePose, Truth};
+
+/// A robot in a scene, stepped from control tick to control tick.
+pub trait World: Send {
+    /// What the robot knows before it moves.
+    fn known(&self) -> Known;
+
+    /// Seconds since the log began.
+    fn t_s(&self) -> f64;
+
+    /// Carries out `action` for one control period and records what is seen and where the robot is.
+    fn tick(&mut self, action: Action, record: &mut Record);
+}
+
+/// What a world has recorded so far.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// What the robot has seen and done: all that a [`Drive`] may look at.
+    pub seen: Seen,
+    /// Where the robot was.
+    pub track: Vec<TruePose>,
+}
+
+/// The part of a record that the robot itself has.
+#[derive(Clone, Debug, Default)]
+pub struct Seen {
+    /// Actions, a row where they change.
+    pub commands: Vec<Command>,
+    /// Sensor frames.
+    pub frames: Vec<Frame>,
+    /// Landmarks seen.
+    pub sightings: Vec<Sighting>,
+    /// Own motion measured.
+    pub odometry: Vec<Odometry>,
+}
+
+/// Chooses the action of each control tick out of the logged past.
+pub trait Drive: Send {
+    /// The action from `t_s` until the next tick.
+    fn act(&mut self, t_s: f64, seen: &Seen) -> Action;
+}
+
+/// Runs `world` under `drive` until `until_s`, and gives the log with its truth.
+pub fn run(world: &mut dyn World, drive: &mut dyn Drive, until_s: f64) -> Dataset {
+    let mut record = Record::default();
+    while world.t_s() < until_s {
+        let t_s = world.t_s();
+        let action = drive.act(t_s, &record.seen);
+        if record.seen.commands.last().is_none_or(|last| last.action != action) {
+            record.seen.commands.push(Command { t_s, action });
+        }
+        world.tick(action, &mut record);
+    }
+    let Record { seen, track } = record;
+    let log = Log {
+        known: world.known().into(),
+        commands: seen.commands.into(),
+        frames: Some(Channel::from(seen.frames)),
+        sightings: seen.sightings.into(),
+        odometry: seen.odometry.into(),
+    };
+    Dataset { log, truth: Truth { track: track.into(), survey: None }, provenance: None }
+}
