@@ -1,1 +1,3 @@
-//! x
+//! The verbs of asami and what they share: scenarios, trials, tables.
+
+pub mod scenario;

@@ -1,5 +1,8 @@
 //! A flat field with coloured cylinders on it.
 
+use std::collections::BTreeSet;
+
+use asami_dataset::parameters::Fault;
 use serde::{Deserialize, Serialize};
 
 /// A colour that the vision tells apart from the others.
@@ -58,4 +61,40 @@ pub struct Field {
     pub beacons: Vec<Landmark>,
     /// Cylinders that the robot does not know of: they hide beacons or look like them.
     pub clutter: Vec<Cylinder>,
+}
+
+impl Field {
+    /// Adds a fault for everything that cannot stand on a field.
+    pub fn check(&self, path: &str, faults: &mut Vec<Fault>) {
+        let mut ids = BTreeSet::new();
+        for (i, beacon) in self.beacons.iter().enumerate() {
+            beacon.body.check(&format!("{path}.beacons.{i}.body"), faults);
+            if !ids.insert(beacon.id) {
+                let message = format!("each beacon must have an id of its own; {} is taken", beacon.id);
+                faults.push(Fault { path: format!("{path}.beacons.{i}.id"), message });
+            }
+        }
+        for (i, cylinder) in self.clutter.iter().enumerate() {
+            cylinder.check(&format!("{path}.clutter.{i}"), faults);
+        }
+    }
+}
+
+impl Cylinder {
+    fn check(&self, path: &str, faults: &mut Vec<Fault>) {
+        let rules = [
+            ("x_m", self.x_m, -100.0..=100.0),
+            ("y_m", self.y_m, -100.0..=100.0),
+            ("radius_m", self.radius_m, 0.005..=2.0),
+            ("base_m", self.base_m, 0.0..=5.0),
+            ("height_m", self.height_m, 0.01..=5.0),
+        ];
+        for (name, value, range) in rules {
+            if !range.contains(&value) {
+                let (least, greatest) = range.into_inner();
+                let message = format!("{name} must lie in {least}..={greatest} m, not {value}");
+                faults.push(Fault { path: format!("{path}.{name}"), message });
+            }
+        }
+    }
 }

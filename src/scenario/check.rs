@@ -1,0 +1,251 @@
+//! From the file's values to a scenario that can be run: every rule in one place, every fault at once.
+
+use std::collections::BTreeSet;
+
+use asami_dataset::parameters::{Fault, Parameter, Parameters, out_of_range};
+use asami_sim::effects::Effects;
+use asami_sim::scenes::field::Field;
+
+use super::wire::{self, Wire};
+use super::{Expect, Origin, Recording, Robot, Row, Scenario, Simulation, Window};
+
+const fn number(name: &'static str, unit: &'static str, range: (f64, f64)) -> Parameter {
+    Parameter { name, unit, default: 0.0, range, about: "" }
+}
+
+/// An hour: longer logs do not fit the house's memory.
+const DURATION: Parameter = number("duration_s", "s", (1.0, 3600.0));
+const SEEDS: Parameter = number("seeds", "1", (1.0, 10_000.0));
+const FIRST_SEED: Parameter = number("first_seed", "1", (0.0, 9e15));
+const WINDOW_LENGTH: Parameter = number("length_s", "s", (1.0, 36_000.0));
+const WINDOW_START: Parameter = number("disjoint_starts_s", "s", (0.0, 360_000.0));
+const WINDOW_EVERY: Parameter = number("overlapping_every_s", "s", (0.1, 36_000.0));
+
+/// Checks everything; `None` only with at least one fault.
+pub fn scenario(name: &str, wire: Wire, faults: &mut Vec<Fault>) -> Option<Scenario> {
+    if wire.about.trim().is_empty() {
+        fault(faults, "about", "about must state the question that the scenario asks, not nothing");
+    }
+    wire.divergence.check("divergence", faults);
+    let origin = origin(&wire, faults);
+    let most_s = origin.as_ref().map_or(f64::INFINITY, longest_s);
+    let rows = rows(&wire.rows, most_s, faults);
+    for (i, expect) in wire.expect.iter().enumerate() {
+        expectation(i, expect, &rows, faults);
+    }
+    let Wire { about, learners, divergence, expect, .. } = wire;
+    Some(Scenario { name: name.to_owned(), about, origin: origin?, rows, learners, divergence, expect })
+}
+
+fn fault(faults: &mut Vec<Fault>, path: &str, message: impl Into<String>) {
+    faults.push(Fault { path: path.to_owned(), message: message.into() });
+}
+
+/// Either a simulation or a recording: the keys of one are faults in the other.
+fn origin(wire: &Wire, faults: &mut Vec<Fault>) -> Option<Origin> {
+    match (&wire.source, wire.robot) {
+        (Some(source), None) => recording(wire, source, faults).map(Origin::Recorded),
+        (None, Some(robot)) => simulation(wire, robot, faults).map(Box::new).map(Origin::Simulated),
+        (Some(_), Some(_)) => {
+            fault(faults, "source", "source (a recorded log) and robot (a simulated one) exclude each other");
+            None
+        }
+        (None, None) => {
+            fault(faults, "about", "a scenario must have robot = \"...\" (simulated) or source = \"...\" (recorded)");
+            None
+        }
+    }
+}
+
+fn recording(wire: &Wire, source: &str, faults: &mut Vec<Fault>) -> Option<Recording> {
+    let simulated = [
+        ("duration_s", wire.duration_s.is_some()),
+        ("seeds", wire.seeds.is_some()),
+        ("first_seed", wire.first_seed.is_some()),
+        ("field", wire.field.is_some()),
+        ("drive", wire.drive.is_some()),
+        ("effects", wire.effects.is_some()),
+    ];
+    for (key, _) in simulated.into_iter().filter(|(_, is_there)| *is_there) {
+        fault(faults, key, format!("{key} belongs to simulated scenarios; this one has source = \"{source}\""));
+    }
+    if source.trim().is_empty() {
+        fault(faults, "source", "source must be the path of a recorded log, not empty");
+    }
+    let Some(windows) = &wire.windows else {
+        fault(faults, "source", "a recorded log must be cut: [windows] is missing");
+        return None;
+    };
+    faults.extend(out_of_range("windows", &WINDOW_LENGTH, windows.length_s));
+    for (i, start_s) in windows.disjoint_starts_s.iter().enumerate() {
+        if let Some(found) = out_of_range("windows", &WINDOW_START, *start_s) {
+            fault(faults, &format!("windows.disjoint_starts_s.{i}"), found.message);
+        }
+    }
+    if windows.disjoint_starts_s.is_empty() {
+        fault(faults, "windows.disjoint_starts_s", "disjoint_starts_s must hold at least one start, not none");
+    }
+    for (i, pair) in windows.disjoint_starts_s.windows(2).enumerate() {
+        if pair[1] < pair[0] + windows.length_s {
+            let path = format!("windows.disjoint_starts_s.{}", i + 1);
+            let (second, first, length) = (pair[1], pair[0], windows.length_s);
+            fault(faults, &path, format!("disjoint windows must not overlap: {second} < {first} + length_s {length}"));
+        }
+    }
+    if let Some(every_s) = windows.overlapping_every_s {
+        faults.extend(out_of_range("windows", &WINDOW_EVERY, every_s));
+    }
+    let cut = if faults.is_empty() { cut(windows) } else { Vec::new() };
+    Some(Recording { source: source.to_owned(), windows: cut })
+}
+
+/// The disjoint windows, then the overlapping ones.
+fn cut(windows: &wire::Windows) -> Vec<Window> {
+    let length_s = windows.length_s;
+    let starts_s = &windows.disjoint_starts_s;
+    let mut all: Vec<Window> =
+        starts_s.iter().map(|&start_s| Window { start_s, length_s, overlapping: false }).collect();
+    if let (Some(every_s), Some(first_s), Some(last_s)) =
+        (windows.overlapping_every_s, starts_s.first(), starts_s.last())
+    {
+        let mut n = 0.0;
+        while first_s + n * every_s <= *last_s {
+            all.push(Window { start_s: first_s + n * every_s, length_s, overlapping: true });
+            n += 1.0;
+        }
+    }
+    all
+}
+
+fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simulation> {
+    if wire.windows.is_some() {
+        fault(faults, "windows", "windows belong to recorded scenarios; this one has a robot");
+    }
+    let mut required = |key: &Parameter, value: Option<f64>| {
+        match value {
+            Some(value) => faults.extend(out_of_range("", key, value)),
+            None => fault(faults, "robot", format!("a simulated scenario must have {}", key.name)),
+        }
+        value
+    };
+    let duration_s = required(&DURATION, wire.duration_s);
+    let seeds = required(&SEEDS, wire.seeds.map(|n| n as f64));
+    let first_seed = wire.first_seed.unwrap_or(1);
+    faults.extend(out_of_range("", &FIRST_SEED, first_seed as f64));
+    let drive = wire.drive.clone().unwrap_or_default();
+    drive.check("drive", faults);
+    if drive.far_height_px >= drive.near_height_px {
+        let (far, near) = (drive.far_height_px, drive.near_height_px);
+        fault(faults, "drive.far_height_px", format!("far_height_px must be below near_height_px {near}, not {far}"));
+    }
+    let field = wire.field.clone().unwrap_or_default();
+    field_rules(&field, faults);
+    let effects = wire.effects.clone().unwrap_or_default();
+    effects_fit(&effects, robot, faults);
+    Some(Simulation {
+        robot,
+        duration_s: duration_s?,
+        seeds: seeds.map(|n| n as u32)?,
+        first_seed: first_seed.max(0) as u64,
+        field,
+        drive,
+        effects,
+    })
+}
+
+fn field_rules(field: &Field, faults: &mut Vec<Fault>) {
+    field.check("field", faults);
+    if field.beacons.is_empty() {
+        fault(faults, "field", "the field must have at least one beacon: [[field.beacons]]");
+    }
+}
+
+fn effects_fit(effects: &Effects, robot: Robot, faults: &mut Vec<Fault>) {
+    effects.check("effects", faults);
+    for about in effects.iter().map(asami_sim::effect::Effect::about) {
+        if !about.fits.contains(&robot.name()) {
+            let (name, fits, robot) = (about.name, about.fits.join(", "), robot.name());
+            fault(faults, &format!("effects.{name}"), format!("{name} fits {fits}, not {robot}"));
+        }
+    }
+}
+
+/// The longest log that a row can be given.
+fn longest_s(origin: &Origin) -> f64 {
+    match origin {
+        Origin::Simulated(simulation) => simulation.duration_s,
+        Origin::Recorded(recording) => {
+            recording.windows.iter().map(|window| window.length_s).fold(f64::INFINITY, f64::min)
+        }
+    }
+}
+
+fn rows(wire: &[wire::Row], most_s: f64, faults: &mut Vec<Fault>) -> Vec<Row> {
+    if wire.is_empty() {
+        fault(faults, "rows", "a scenario must have at least one [[rows]]");
+    }
+    let mut seen = BTreeSet::new();
+    let mut rows = Vec::new();
+    for (i, row) in wire.iter().enumerate() {
+        let path = format!("rows.{i}");
+        let label = row.label.clone().unwrap_or_else(|| row.learner.clone());
+        let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        if label.is_empty() || !label.chars().all(is_name) {
+            let key = if row.label.is_some() { "as" } else { "learner" };
+            let message = format!("a name in tables is letters, digits and _, not {label:?}");
+            fault(faults, &format!("{path}.{key}"), message);
+        }
+        let duration_s = row.duration_s.unwrap_or(most_s);
+        if row.duration_s.is_some() {
+            let range = (DURATION.range.0, most_s);
+            faults.extend(out_of_range(&path, &Parameter { range, ..DURATION }, duration_s));
+        }
+        if !seen.insert((label.clone(), row.start, duration_s.to_bits())) {
+            let message =
+                format!("row {label} with this start and duration_s stands here twice; tell them apart by `as`");
+            fault(faults, &path, message);
+        }
+        rows.push(Row { learner: row.learner.clone(), label, start: row.start, duration_s, with: row.with.clone() });
+    }
+    rows
+}
+
+/// An expectation must be about rows that there are.
+fn expectation(i: usize, expect: &Expect, rows: &[Row], faults: &mut Vec<Fault>) {
+    let path = format!("expect.{i}");
+    let about = rows.iter().filter(|row| expect.is_about(row)).count();
+    if about != 1 {
+        let learner = &expect.learner;
+        let message = format!("an expectation must be about one row; {about} rows fit learner {learner:?}");
+        fault(faults, &format!("{path}.learner"), message);
+    }
+    let shares =
+        [("converged_share_min", expect.converged_share_min), ("converged_share_max", expect.converged_share_max)];
+    for (name, share) in shares {
+        if let Some(share) = share {
+            faults.extend(out_of_range(&path, &number(name, "1", (0.0, 1.0)), share));
+        }
+    }
+    let ratios =
+        [("sensor_to_floor_max", expect.sensor_to_floor_max), ("action_to_floor_max", expect.action_to_floor_max)];
+    for (name, ratio) in ratios {
+        if let Some(ratio) = ratio {
+            faults.extend(out_of_range(&path, &number(name, "1", (1.0, 1000.0)), ratio));
+        }
+    }
+    if let Some(beaten) = &expect.beats
+        && !rows.iter().any(|row| row.label == *beaten)
+    {
+        fault(faults, &format!("{path}.beats"), format!("no row is called {beaten:?}"));
+    }
+}
+
+impl Expect {
+    /// Whether it is about `row`.
+    #[must_use]
+    pub fn is_about(&self, row: &Row) -> bool {
+        self.learner == row.label
+            && self.start == row.start
+            && self.duration_s.is_none_or(|duration_s| duration_s == row.duration_s)
+    }
+}

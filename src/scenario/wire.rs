@@ -1,0 +1,106 @@
+//! A scenario as it stands in the file, before anything is checked.
+
+use std::collections::BTreeMap;
+
+use asami_dataset::parameters::Fault;
+use asami_sim::drives::pace::Pacing;
+use asami_sim::effects::Effects;
+use asami_sim::scenes::field::Field;
+use serde::Deserialize;
+use toml::de::DeTable;
+
+use super::{Divergence, Expect, Robot, Start};
+
+/// The version of the scenario format that this program reads.
+pub const SCHEMA: i64 = 1;
+
+/// The whole file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wire {
+    /// Version of the format; checked before the rest.
+    #[serde(rename = "schema")]
+    pub _schema: i64,
+    /// The question.
+    pub about: String,
+    /// Path of a recorded log.
+    pub source: Option<String>,
+    /// How the recorded log is cut.
+    pub windows: Option<Windows>,
+    /// Which robot is simulated.
+    pub robot: Option<Robot>,
+    /// Length of each simulated log.
+    pub duration_s: Option<f64>,
+    /// How many simulated logs.
+    pub seeds: Option<i64>,
+    /// The first seed.
+    pub first_seed: Option<i64>,
+    /// The field.
+    pub field: Option<Field>,
+    /// The policy.
+    pub drive: Option<Pacing>,
+    /// Effects.
+    pub effects: Option<Effects>,
+    /// Learners' parameters.
+    #[serde(default)]
+    pub learners: BTreeMap<String, BTreeMap<String, f64>>,
+    /// Rows of the table.
+    pub rows: Vec<Row>,
+    /// When a trial counts as diverged.
+    #[serde(default)]
+    pub divergence: Divergence,
+    /// Expected answers.
+    #[serde(default)]
+    pub expect: Vec<Expect>,
+}
+
+/// How a recorded log is cut.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Windows {
+    /// Length of each window.
+    pub length_s: f64,
+    /// Where windows that share no data begin.
+    pub disjoint_starts_s: Vec<f64>,
+    /// From the first to the last of these starts, also a window every so often, marked as overlapping.
+    pub overlapping_every_s: Option<f64>,
+}
+
+/// A row of the table.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// Learner.
+    pub learner: String,
+    /// Its name in tables.
+    #[serde(rename = "as")]
+    pub label: Option<String>,
+    /// What it is given.
+    pub start: Option<Start>,
+    /// How much of the log.
+    pub duration_s: Option<f64>,
+    /// Parameters of its own.
+    #[serde(default)]
+    pub with: BTreeMap<String, f64>,
+}
+
+/// Refuses a file of another version before its keys are judged by this one's.
+///
+/// # Errors
+/// The fault, if `schema` is not [`SCHEMA`].
+pub fn check_schema(table: &DeTable<'_>) -> Result<(), Fault> {
+    let Some(value) = table.get("schema") else {
+        // Said by serde, together with what else is required.
+        return Ok(());
+    };
+    let found = value.get_ref();
+    let is_ours = found.as_integer().and_then(|n| i64::from_str_radix(n.as_str(), n.radix()).ok()) == Some(SCHEMA);
+    let shown = match found.as_integer() {
+        Some(number) => number.as_str().to_owned(),
+        None => found.type_str().to_owned(),
+    };
+    if is_ours {
+        return Ok(());
+    }
+    Err(Fault { path: "schema".into(), message: format!("schema must be {SCHEMA} for this program, not {shown}") })
+}
