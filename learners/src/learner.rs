@@ -152,3 +152,28 @@ pub enum CannotLearn {
     #[error("the log does not determine the models: {0}")]
     Undetermined(String),
 }
+
+/// Declares a learner's parameters and its row in the catalogue.
+macro_rules! learner {
+    (
+        $(#[$meta:meta])* $T:ident, $name:literal, $what:literal,
+        source $source:literal, needs $needs:ident,
+        { $($body:tt)* }
+    ) => {
+        asami_dataset::parameters! { $(#[$meta])* pub struct $T { $($body)* } }
+        impl $T {
+            /// The learner's row in the catalogue.
+            #[must_use]
+            pub fn about() -> &'static $crate::learner::About {
+                use asami_dataset::parameters::Parameters;
+                static ABOUT: std::sync::LazyLock<$crate::learner::About> =
+                    std::sync::LazyLock::new(|| $crate::learner::About {
+                        name: $name, what: $what, source: $source, needs: $crate::learner::Needs::$needs,
+                        parameters: $T::table(),
+                    });
+                &ABOUT
+            }
+        }
+    };
+}
+pub(crate) use learner;

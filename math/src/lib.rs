@@ -4,5 +4,7 @@
 //! global random state.
 
 pub mod angle;
+pub mod decomposition;
 pub mod elementary;
 pub mod polynomial;
+pub mod regression;

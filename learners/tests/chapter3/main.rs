@@ -1,0 +1,5 @@
+//! The learners of chapter 3 on logs whose truth is known.
+
+mod algorithm1;
+mod conformance;
+mod synthetic;
