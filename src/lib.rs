@@ -1,3 +1,6 @@
-//! The verbs of asami and what they share: scenarios, trials, tables.
+//! The verbs of asami (Autonomous Sensor and Action Model Induction) and what they share: scenarios,
+//! trials, tables, figures, reports.
 
+pub mod draw;
+pub mod report;
 pub mod scenario;

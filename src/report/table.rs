@@ -1,0 +1,118 @@
+//! Tables of a report: rows of cells that sort by value and show as text.
+
+/// Where a row's numbers come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RowKind {
+    /// Measured in this run.
+    #[default]
+    Ours,
+    /// Needs truth, so that no learner could have made it: a floor, an unlearned model.
+    Reference,
+    /// Printed in a paper.
+    Published,
+}
+
+/// A cell: what it shows and, of a number, what it sorts by.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cell {
+    /// As shown; empty for a number that does not exist.
+    pub text: String,
+    /// As sorted.
+    pub value: Option<f64>,
+    /// Shown on pointing at it.
+    pub hint: String,
+}
+
+impl Cell {
+    /// A number with so many decimals; NaN is an empty cell.
+    #[must_use]
+    pub fn number(value: f64, decimals: usize) -> Self {
+        if value.is_nan() {
+            return Self::default();
+        }
+        let text = format!("{value:.decimals$}").replace('-', "\u{2212}");
+        Self { text, value: Some(value), hint: String::new() }
+    }
+
+    /// `mean ± sd` with so many decimals, sorted by the mean; without the mean an empty cell.
+    #[must_use]
+    pub fn mean_sd(mean: f64, sd: f64, decimals: usize) -> Self {
+        let mut cell = Self::number(mean, decimals);
+        if cell.value.is_some() && !sd.is_nan() {
+            cell.text = format!("{} \u{b1} {sd:.decimals$}", cell.text);
+        }
+        cell
+    }
+
+    /// Adds what is shown on pointing at it.
+    #[must_use]
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = hint.into();
+        self
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Self { text: text.to_owned(), ..Self::default() }
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Self { text, ..Self::default() }
+    }
+}
+
+/// A row and where it comes from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Row {
+    /// Where it comes from.
+    pub kind: RowKind,
+    /// One cell a column.
+    pub cells: Vec<Cell>,
+}
+
+/// A table with a caption; its columns sort on clicking at their heads.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// Short name: `Table 3.1`.
+    pub name: String,
+    /// What it shows, what is good, what to do about it if it is not.
+    pub caption: String,
+    /// Heads with units.
+    pub heads: Vec<String>,
+    /// In order.
+    pub rows: Vec<Row>,
+}
+
+impl Table {
+    /// A table without rows.
+    #[must_use]
+    pub fn new(name: &str, heads: &[&str]) -> Self {
+        let heads = heads.iter().map(|head| (*head).to_owned()).collect();
+        Self { name: name.to_owned(), heads, ..Self::default() }
+    }
+
+    /// Says what the table shows.
+    #[must_use]
+    pub fn caption(mut self, caption: impl Into<String>) -> Self {
+        self.caption = caption.into();
+        self
+    }
+
+    /// Adds a row; short rows are filled up with empty cells.
+    #[must_use]
+    pub fn row(mut self, kind: RowKind, cells: impl IntoIterator<Item = Cell>) -> Self {
+        let mut cells: Vec<Cell> = cells.into_iter().collect();
+        cells.resize(self.heads.len(), Cell::default());
+        self.rows.push(Row { kind, cells });
+        self
+    }
+
+    /// Whether every value of a column is a number or missing, and at least one is a number.
+    pub(crate) fn is_numeric(&self, column: usize) -> bool {
+        let cells = || self.rows.iter().filter_map(|row| row.cells.get(column));
+        cells().any(|cell| cell.value.is_some()) && cells().all(|cell| cell.value.is_some() || cell.text.is_empty())
+    }
+}

@@ -1,0 +1,130 @@
+//! A report as a reader gets it: one file, nothing outside it, scripts that run.
+
+use std::io::Write as _;
+use std::path::Path;
+use std::process::Command;
+
+use asami::draw::walk::{Part, Pose, Strip, contacts};
+use asami::draw::{Figure, Mark, Picture, Stroke};
+use asami::report::{Cell, Plate, Report, RowKind, Section, Table};
+
+fn report() -> Report {
+    let wave = |i: usize| [i as f64 * 0.1, (i as f64 * 0.1).sin() * 40.0];
+    let lines = Figure::new("Figure 1", "A wave and its samples")
+        .x("time", "s")
+        .y("height", "px")
+        .points("samples", Mark::Plus, (0..60).map(wave).collect::<Vec<_>>())
+        .line("wave", Stroke::Solid, (0..60).map(wave).collect::<Vec<_>>())
+        .level("greatest", 40.0)
+        .caption("Samples lie on the wave.");
+    let bars = Figure::new("Figure 2", "Errors over seeds")
+        .x("seed", "")
+        .y("error", "mm")
+        .y_from_zero()
+        .error_bars("measured", (0..15).map(|i| [f64::from(i), 60.0 + f64::from(i * 7 % 11), 12.0]).collect::<Vec<_>>())
+        .band("expected", [[0.0, 50.0, 80.0], [14.0, 50.0, 80.0]])
+        .caption("Bars that miss the band ask for a look at their seed.");
+    let leg = |bend: f64, far| Part { corners_m: vec![[0.0, 0.14], [bend, 0.07], [0.0, 0.0]], solid: false, far };
+    let body =
+        Part { corners_m: vec![[-0.05, 0.12], [0.15, 0.12], [0.15, 0.18], [-0.05, 0.18]], solid: true, far: false };
+    let pose = |i: i32| Pose {
+        t_s: f64::from(i) * 0.1,
+        parts: vec![leg(0.02 * f64::from(i % 3), true), body.clone(), leg(-0.01 * f64::from(i), false)],
+        contacts_m: vec![[0.0, 0.0]],
+    };
+    let strip = Strip {
+        name: "Figure 3".into(),
+        title: "A walk".into(),
+        caption: "It walks.".into(),
+        poses: (0..6).map(pose).collect(),
+    };
+    let steps: Vec<(f64, [bool; 4])> = (0..40)
+        .map(|i| (f64::from(i) * 0.05, [i / 5 % 2 == 0, i / 5 % 2 == 1, i / 5 % 2 == 1, i / 5 % 2 == 0]))
+        .collect();
+    let feet = contacts("Figure 4", "Which foot stands when", &steps);
+    let rgb: Vec<u8> = (0..208 * 160).flat_map(|i| [(i % 208) as u8, (i / 208) as u8, 128]).collect();
+    let picture = Picture::new("Figure 5", "What the camera sees", 208, 160, rgb).caption("A gradient.");
+    let table = Table::new("Table 1", &["learner", "error (mm)", "trials"])
+        .caption("Click on a head to sort.")
+        .row(RowKind::Ours, ["b".into(), Cell::mean_sd(9.0, 1.0, 1), Cell::number(15.0, 0)])
+        .row(RowKind::Ours, ["a".into(), Cell::mean_sd(70.0, 13.0, 1).hint("median 68.1"), Cell::number(15.0, 0)])
+        .row(RowKind::Published, ["dissertation".into(), Cell::mean_sd(70.4, 13.9, 1), Cell::default()]);
+    Report::new("A demonstration", "Does a report hold together?")
+        .answer("It does.")
+        .section(
+            Section::new("Lines").text("Two figures of `demo`.").figures([Plate::from(&lines), Plate::from(&bars)]),
+        )
+        .section(Section::new("The walk").figure(&strip).figure(&feet))
+        .section(Section::new("Pixels").figure(&picture))
+        .section(Section::new("Numbers").table(table))
+        .footnote("A footnote.")
+        .made_with("scenario", "blake3:0123")
+}
+
+/// What would make a browser ask for something outside the file.
+const REFERENCES: [&str; 6] = ["http", "src=", "@import", "url(", "<link", "//cdn"];
+
+#[test]
+fn a_report_refers_to_nothing_outside_itself() {
+    let page = report().html();
+    for reference in REFERENCES {
+        assert!(!page.contains(reference), "the report contains {reference:?}");
+    }
+    let targets = page.split("href=\"").skip(1).filter_map(|rest| rest.split('"').next());
+    assert!(targets.clone().count() > 1);
+    assert!(targets.into_iter().all(|target| target.starts_with('#') || target.starts_with("data:")));
+}
+
+#[test]
+fn a_report_is_written_whole_over_an_older_one() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("report.html");
+    std::fs::write(&path, "old").unwrap();
+    report().write(&path).unwrap();
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), report().html());
+    assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
+    let nowhere = dir.path().join("missing/report.html");
+    assert!(report().write(&nowhere).unwrap_err().to_string().contains("missing/report.html"));
+}
+
+fn chromium() -> Option<&'static str> {
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    names.into_iter().find(|name| Command::new(name).arg("--version").output().is_ok_and(|out| out.status.success()))
+}
+
+/// The page after its scripts have run.
+fn dom(browser: &str, page: &Path, profile: &Path) -> String {
+    let out = Command::new(browser)
+        .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run"])
+        .arg(format!("--user-data-dir={}", profile.display()))
+        .arg("--dump-dom")
+        .arg(format!("file://{}", page.display()))
+        .output()
+        .unwrap();
+    String::from_utf8_lossy(&out.stdout).into_owned()
+}
+
+#[test]
+fn scripts_run_in_a_browser() {
+    let Some(browser) = chromium() else {
+        // Past the capture of the test harness, which swallows what eprintln! says.
+        let said = std::io::stderr().write_all(b"SKIPPED scripts_run_in_a_browser: no chromium on the path\n");
+        return said.unwrap();
+    };
+    let dir = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    let page = dir.path().join("report.html");
+    // Click on the second head twice, as a reader would, and leave the order where the dump shows it.
+    let click = "<script>const head = document.querySelectorAll('th')[1]; head.click(); head.click();\
+                 document.body.dataset.order = [...document.querySelectorAll('tbody tr')].map(r => r.cells[0].textContent).join();</script>";
+    std::fs::write(&page, report().html().replace("</body>", &format!("{click}</body>"))).unwrap();
+    let dom = dom(browser, &page, &dir.path().join("profile"));
+    assert!(dom.contains("data-ready=\"1 tables, 3 series\""), "scripts did not run: {dom:.400}");
+    assert!(dom.contains("data-order=\"dissertation,a,b\""), "the table was not sorted");
+}
+
+#[test]
+fn the_demonstration_can_be_looked_at() {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("demonstration.html");
+    report().write(&path).unwrap();
+    assert!(path.metadata().unwrap().len() > 10_000);
+}
