@@ -136,7 +136,7 @@ fn footer(report: &Report, out: &mut String) {
 fn inline(text: &str) -> String {
     let parts: Vec<&str> = text.split('`').collect();
     // An odd backquote is a backquote.
-    if parts.len() % 2 == 0 {
+    if parts.len().is_multiple_of(2) {
         return escape(text);
     }
     let code = |(index, part): (usize, &&str)| match index % 2 {
