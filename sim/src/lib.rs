@@ -5,5 +5,6 @@ pub mod drives;
 pub mod effect;
 pub mod effects;
 pub mod knobs;
+pub mod robots;
 pub mod scenes;
 pub mod world;

@@ -1,0 +1,296 @@
+//! The Aibo on a field: the loop from command to motors, and from poses to frames.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use asami_dataset::{Action, Beacon, Frame, Known, Seed, Sighting, TruePose};
+use asami_math::angle::wrap_rad;
+use asami_math::elementary::{atan2, sin};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+
+use super::BuildError;
+use super::blueprint::{Blueprint, JOINTS};
+use super::body::Body;
+use super::config::{AiboConfig, Head};
+use super::gait::{Attempt, Trot};
+use super::grip::Grip;
+use super::heading::Heading;
+use super::servo::SetPoints;
+use super::watch::{Contacts, Watch, outline};
+use crate::effect::Stage;
+use crate::effects::Effects;
+use crate::knobs::{CommandKnobs, GroundKnobs, Knobs};
+use crate::scenes::field::Field;
+use crate::world::{Record, World};
+
+/// Index of the head's pan among the joints.
+const PAN: usize = 13;
+
+/// Where and how the robot stands when the log begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Start {
+    /// World x of the body's centre.
+    pub x_m: f64,
+    /// World y of the body's centre.
+    pub y_m: f64,
+    /// Heading.
+    pub theta_rad: f64,
+    /// Where in its stride the gait begins, `[0, 1)`.
+    pub gait_phase: f64,
+}
+
+/// The Aibo in its world.
+pub struct AiboWorld {
+    config: AiboConfig,
+    effects: Effects,
+    nominal: Knobs,
+    known: Known,
+    frame_rate_hz: f64,
+
+    command_stages: Vec<CommandStage>,
+    joint_stages: Vec<JointStage>,
+    sighting_stages: Vec<SightingStage>,
+    heading: Heading,
+    trot: Trot,
+    set_points: SetPoints,
+    grip: Grip,
+
+    blueprint: Blueprint,
+    body: Body,
+    steps: u64,
+    frames: u64,
+    fallen: bool,
+    watch: Option<Watch>,
+}
+
+type CommandStage = Box<dyn FnMut(f64, Action) -> Action + Send>;
+type JointStage = Box<dyn FnMut(f64, &mut [f64]) + Send>;
+type SightingStage = Box<dyn FnMut(f64, &mut Vec<Sighting>) + Send>;
+
+impl AiboWorld {
+    /// The robot, standing at `start` for as long as the configuration lets it settle.
+    ///
+    /// # Errors
+    /// If the URDF lacks a part or the engine refuses it.
+    pub fn new(
+        config: &AiboConfig,
+        field: &Field,
+        frame_rate_hz: f64,
+        effects: &Effects,
+        start: Start,
+        seed: Seed,
+    ) -> Result<Self, BuildError> {
+        let blueprint = Blueprint::shipped()?;
+        let trot = Trot::new(config.gait.clone(), blueprint.legs.clone(), start.gait_phase);
+        let mut angles_rad = [0.0; JOINTS];
+        fill(&mut angles_rad, trot.angles_rad(), head_rad(&config.head, trot.pitch_rad(), 0.0));
+        let height_m = blueprint.foot_radius_m + 0.5 * (config.gait.fore_height_m + config.gait.hind_height_m);
+        let world_from_torso = standing(&start, height_m, trot.pitch_rad());
+        let mut body = Body::new(config, &blueprint, &world_from_torso, &angles_rad)?;
+        for _ in 0..(config.physics.settle_s / config.physics.time_step_s).round() as u64 {
+            body.step();
+        }
+
+        let speed_limits = blueprint.joints.map(|joint| joint.speed_rad_per_s);
+        let mut world = Self {
+            set_points: SetPoints::new(
+                &config.servo,
+                config.physics.tick_s(),
+                angles_rad.to_vec(),
+                speed_limits.into_iter(),
+                seed.stream("aibo/set_points"),
+            ),
+            grip: Grip::new(config.disturbance.clone(), seed.stream("aibo/grip")),
+            heading: Heading::new(config.heading_hold.clone(), field.beacons.first().map(|beacon| beacon.id)),
+            nominal: Knobs {
+                command: CommandKnobs { scale: [1.0; 3] },
+                ground: GroundKnobs { friction: config.physics.friction },
+            },
+            known: known(config, field),
+            config: config.clone(),
+            effects: effects.clone(),
+            frame_rate_hz,
+            command_stages: Vec::new(),
+            joint_stages: Vec::new(),
+            sighting_stages: Vec::new(),
+            trot,
+            blueprint,
+            body,
+            steps: 0,
+            frames: 0,
+            fallen: false,
+            watch: None,
+        };
+        for effect in effects.iter() {
+            match effect.stage(seed.stream(&format!("effect/{}", effect.about().name))) {
+                Some(Stage::Command(stage)) => world.command_stages.push(stage),
+                Some(Stage::Joint(stage)) => world.joint_stages.push(stage),
+                Some(Stage::Sighting(stage)) => world.sighting_stages.push(stage),
+                None => {}
+            }
+        }
+        Ok(world)
+    }
+
+    /// Begins to record foot contacts and outlines.
+    pub fn watch(&mut self) {
+        self.watch.get_or_insert_default();
+    }
+
+    /// What was recorded since [`watch`](Self::watch).
+    #[must_use]
+    pub fn watched(&self) -> Option<&Watch> {
+        self.watch.as_ref()
+    }
+
+    /// Whether the torso has ever tilted by more than 60 degrees.
+    #[must_use]
+    pub fn has_fallen(&self) -> bool {
+        self.fallen
+    }
+
+    /// The body in the engine.
+    #[must_use]
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// Where the body's centre is and where it faces.
+    #[must_use]
+    pub fn pose(&self) -> TruePose {
+        let world_from_torso = self.body.world_from_torso();
+        let ahead = world_from_torso * Vector3::x();
+        let at = world_from_torso.translation;
+        let theta_rad = wrap_rad(atan2(-ahead.x, ahead.y));
+        TruePose { t_s: self.now_s(), x_m: at.x, y_m: at.y, theta_rad, v_m_per_s: None }
+    }
+
+    fn now_s(&self) -> f64 {
+        self.steps as f64 * self.config.physics.time_step_s
+    }
+
+    /// What the gait attempts: the command after its stages, scaled, and turned towards the beacon.
+    fn attempt(&mut self, t_s: f64, action: Action, knobs: &Knobs) -> Attempt {
+        let action = self.command_stages.iter_mut().fold(action, |action, stage| stage(t_s, action));
+        let Action::Legs { ax_m_per_s, ay_m_per_s, atheta_rad_per_s, .. } = action else { return [0.0; 3] };
+        let mut attempt = [ax_m_per_s, ay_m_per_s, atheta_rad_per_s];
+        for (velocity, scale) in attempt.iter_mut().zip(knobs.command.scale) {
+            *velocity *= scale;
+        }
+        attempt[2] += self.heading.turn_rad_per_s(t_s, &attempt);
+        attempt
+    }
+
+    /// Moves the servos towards what the gait wants.
+    fn drive(&mut self, t_s: f64, attempt: Attempt) {
+        let legs = self.trot.step(self.config.physics.tick_s(), attempt);
+        let mut wanted_rad = [0.0; JOINTS];
+        fill(&mut wanted_rad, legs, head_rad(&self.config.head, self.trot.pitch_rad(), t_s));
+        let mut aimed_rad = [0.0; JOINTS];
+        aimed_rad.copy_from_slice(self.set_points.approach(&wanted_rad));
+        for stage in &mut self.joint_stages {
+            stage(t_s, &mut aimed_rad);
+        }
+        self.body.aim(&aimed_rad);
+    }
+
+    /// Takes the frames that are due.
+    fn look(&mut self, record: &mut Record) {
+        let t_s = self.now_s();
+        // Times are rounded multiples of the step and of the frame period.
+        if t_s < self.frames as f64 / self.frame_rate_hz - 1e-9 {
+            return;
+        }
+        self.frames += 1;
+        let mut sightings: Vec<Sighting> = Vec::new();
+        for stage in &mut self.sighting_stages {
+            stage(t_s, &mut sightings);
+        }
+        self.heading.look(&sightings);
+        record.seen.frames.push(Frame { t_s, head_pan_rad: self.body.angle_rad(PAN) });
+        record.seen.sightings.append(&mut sightings);
+        record.track.push(self.pose());
+        if let Some(watch) = &mut self.watch {
+            watch.outlines.push(outline(t_s, &self.body, &self.blueprint));
+        }
+    }
+}
+
+impl World for AiboWorld {
+    fn known(&self) -> Known {
+        self.known.clone()
+    }
+
+    fn t_s(&self) -> f64 {
+        self.now_s()
+    }
+
+    fn tick(&mut self, action: Action, record: &mut Record) {
+        let t_s = self.now_s();
+        let mut knobs = self.nominal.clone();
+        for effect in self.effects.iter() {
+            effect.tune(t_s, &mut knobs);
+        }
+        let friction = knobs.ground.friction;
+        self.body.set_friction(self.grip.factors(t_s).map(|factor| factor * friction), friction);
+
+        if self.steps == 0 {
+            self.look(record);
+        }
+        let attempt = self.attempt(t_s, action, &knobs);
+        self.drive(t_s, attempt);
+        for _ in 0..self.config.physics.steps_per_tick {
+            self.body.step();
+            self.steps += 1;
+            self.look(record);
+        }
+
+        let up = self.body.world_from_torso() * Vector3::z();
+        self.fallen |= !(up.z > 0.5);
+        if let Some(watch) = &mut self.watch {
+            watch.contacts.push(Contacts {
+                t_s: self.steps as f64 * self.config.physics.time_step_s,
+                down: self.body.feet_down(),
+            });
+        }
+    }
+}
+
+/// The torso (x forward) of a robot standing at `start`.
+fn standing(start: &Start, height_m: f64, pitch_rad: f64) -> Isometry3<f64> {
+    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), start.theta_rad + FRAC_PI_2);
+    // About the left axis, nose down is positive.
+    let pitch = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -pitch_rad);
+    Isometry3::from_parts(Translation3::new(start.x_m, start.y_m, height_m), yaw * pitch)
+}
+
+/// Neck tilt, pan and nod at `t_s` that hold the camera as configured over a torso pitched by `pitch_rad`.
+fn head_rad(head: &Head, pitch_rad: f64, t_s: f64) -> [f64; 3] {
+    let pan_rad = head.scan_amplitude_rad * sin(TAU * t_s / head.scan_period_s);
+    // Tilt and nod are nose down positive, pitches nose up.
+    [head.neck_tilt_rad, pan_rad, pitch_rad - head.neck_tilt_rad - head.camera_pitch_rad]
+}
+
+fn fill(joints_rad: &mut [f64; JOINTS], legs_rad: [[f64; 3]; 4], head_rad: [f64; 3]) {
+    let angles = legs_rad.into_iter().chain([head_rad]).flatten();
+    for (joint, angle) in joints_rad.iter_mut().zip(angles) {
+        *joint = angle;
+    }
+}
+
+fn known(config: &AiboConfig, field: &Field) -> Known {
+    Known {
+        robot: "aibo".to_owned(),
+        command_rate_hz: Some(1.0 / config.physics.tick_s()),
+        landmarks: field
+            .beacons
+            .iter()
+            .map(|beacon| Beacon {
+                id: beacon.id,
+                x_m: beacon.body.x_m,
+                y_m: beacon.body.y_m,
+                height_m: Some(beacon.body.height_m),
+            })
+            .collect(),
+        ..Known::default()
+    }
+}

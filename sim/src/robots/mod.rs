@@ -1,0 +1,3 @@
+//! Robots, one folder each.
+
+pub mod aibo;
