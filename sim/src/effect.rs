@@ -38,12 +38,19 @@ pub trait Effect: Send + Sync {
 pub enum Stage {
     /// Between the logged command and what the gait attempts; called once a control tick with the
     /// tick's time.
-    Command(Box<dyn FnMut(f64, Action) -> Action + Send>),
+    Command(CommandStage),
     /// On the servos' set-points in radians, once a control tick.
-    Joint(Box<dyn FnMut(f64, &mut [f64]) + Send>),
+    Joint(JointStage),
     /// On what one frame's vision reports, once a frame.
-    Sighting(Box<dyn FnMut(f64, &mut Vec<Sighting>) + Send>),
+    Sighting(SightingStage),
 }
+
+/// See [`Stage::Command`].
+pub type CommandStage = Box<dyn FnMut(f64, Action) -> Action + Send>;
+/// See [`Stage::Joint`].
+pub type JointStage = Box<dyn FnMut(f64, &mut [f64]) + Send>;
+/// See [`Stage::Sighting`].
+pub type SightingStage = Box<dyn FnMut(f64, &mut Vec<Sighting>) + Send>;
 
 /// Where in the loop an effect acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -57,3 +57,57 @@ impl Leg {
         angle_rad.clamp(least_rad, greatest_rad)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::blueprint::Blueprint;
+    use super::*;
+
+    fn legs() -> [Leg; 4] {
+        Blueprint::shipped().expect("the shipped body parses").legs
+    }
+
+    #[test]
+    fn straight_leg_hangs_below_its_hip() {
+        for leg in legs() {
+            assert_eq!(leg.foot_m([0.0; 3]), [0.0, 0.0, -(leg.thigh_m + leg.shank_m)]);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn inverse_kinematics_is_inverse(i in 0usize..4, forward in -0.05..0.05f64, outward in 0.0..0.04f64, up in -0.12..-0.075f64) {
+            let leg = &legs()[i];
+            let wanted = [forward, outward, up];
+            let got = leg.foot_m(leg.angles_rad(wanted));
+            for (got, wanted) in got.iter().zip(wanted) {
+                // The law of cosines loses half the digits where the leg is straight.
+                prop_assert!((got - wanted).abs() < 1e-9, "{got} for {wanted}");
+            }
+        }
+
+        #[test]
+        fn no_angle_leaves_its_range(i in 0usize..4, forward in -1.0..1.0f64, outward in -1.0..1.0f64, up in -1.0..1.0f64) {
+            let leg = &legs()[i];
+            for (angle, [least, greatest]) in leg.angles_rad([forward, outward, up]).iter().zip(leg.limits_rad) {
+                prop_assert!((least..=greatest).contains(angle));
+            }
+        }
+    }
+
+    /// The thigh-and-shank chain is a distance-preserving one: turning the rotator moves the foot on a circle
+    /// about the hip's left-right axis.
+    #[test]
+    fn rotator_turns_the_foot_about_the_hip() {
+        for leg in legs() {
+            let [forward, outward, up] = leg.foot_m([0.0, 0.3, leg.bend]);
+            let turned = leg.foot_m([0.7, 0.3, leg.bend]);
+            assert_eq!(outward, turned[1]);
+            assert!((forward.hypot(up) - turned[0].hypot(turned[2])).abs() < 1e-15);
+            let angle = (turned[2].atan2(turned[0]) - up.atan2(forward)).rem_euclid(std::f64::consts::TAU);
+            assert!((angle - (std::f64::consts::TAU - 0.7)).abs() < 1e-12, "positive swings back: {angle}");
+        }
+    }
+}

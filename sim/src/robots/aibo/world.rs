@@ -16,7 +16,7 @@ use super::grip::Grip;
 use super::heading::Heading;
 use super::servo::SetPoints;
 use super::watch::{Contacts, Watch, outline};
-use crate::effect::Stage;
+use crate::effect::{CommandStage, JointStage, SightingStage, Stage};
 use crate::effects::Effects;
 use crate::knobs::{CommandKnobs, GroundKnobs, Knobs};
 use crate::scenes::field::Field;
@@ -61,10 +61,6 @@ pub struct AiboWorld {
     fallen: bool,
     watch: Option<Watch>,
 }
-
-type CommandStage = Box<dyn FnMut(f64, Action) -> Action + Send>;
-type JointStage = Box<dyn FnMut(f64, &mut [f64]) + Send>;
-type SightingStage = Box<dyn FnMut(f64, &mut Vec<Sighting>) + Send>;
 
 impl AiboWorld {
     /// The robot, standing at `start` for as long as the configuration lets it settle.
@@ -245,7 +241,7 @@ impl World for AiboWorld {
         }
 
         let up = self.body.world_from_torso() * Vector3::z();
-        self.fallen |= !(up.z > 0.5);
+        self.fallen |= up.z.is_nan() || up.z < 0.5;
         if let Some(watch) = &mut self.watch {
             watch.contacts.push(Contacts {
                 t_s: self.steps as f64 * self.config.physics.time_step_s,
@@ -294,3 +290,6 @@ fn known(config: &AiboConfig, field: &Field) -> Known {
         ..Known::default()
     }
 }
+
+#[cfg(test)]
+mod tests;
