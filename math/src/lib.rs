@@ -8,3 +8,4 @@ pub mod decomposition;
 pub mod elementary;
 pub mod polynomial;
 pub mod regression;
+pub mod statistics;
