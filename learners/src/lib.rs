@@ -4,6 +4,7 @@
 //! The list at the end of this file is the table of contents: one file and one row per learner.
 
 pub mod algorithm1;
+pub mod canonical;
 pub mod learner;
 pub mod line;
 
@@ -85,4 +86,5 @@ fn override_one<T: Parameters>(learner: &mut T, path: &str, name: &str, value: f
 
 learners! {
     algorithm1 => Algorithm1,
+    canonical => Canonical,
 }

@@ -192,13 +192,14 @@ impl Line {
         (0.5 * greatest + 0.5 * least, if half > 0.0 { half } else { 1.0 })
     }
 
-    /// Standard deviation of the observations' noise, out of differences from row to row (motion
-    /// between rows makes it somewhat too large).
+    /// Standard deviation of the observations' noise if it is white, out of second differences from
+    /// row to row: steady motion cancels.
     #[must_use]
     pub fn local_noise(&self) -> f64 {
-        let pairs = self.rows.len().saturating_sub(1);
-        let sum = self.rows.windows(2).fold(0.0, |sum, pair| sum + (pair[1].o - pair[0].o).powi(2));
-        if pairs == 0 { 0.0 } else { (0.5 * sum / pairs as f64).sqrt() }
+        let second = |three: &[Row]| three[0].o - 2.0 * three[1].o + three[2].o;
+        let sum = self.rows.windows(3).fold(0.0, |sum, three| sum + second(three) * second(three));
+        let n = self.rows.len().saturating_sub(2);
+        if n == 0 { 0.0 } else { (sum / (6.0 * n as f64)).sqrt() }
     }
 
     /// How many different commands there are.

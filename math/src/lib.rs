@@ -6,6 +6,8 @@
 pub mod angle;
 pub mod decomposition;
 pub mod elementary;
+pub mod kalman;
+pub mod optimise;
 pub mod polynomial;
 pub mod regression;
 pub mod statistics;

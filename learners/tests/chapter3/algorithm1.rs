@@ -1,8 +1,8 @@
 //! Algorithm 1 against its published behaviour.
 
-use asami_dataset::{Action, Command, Log, Models, Sighting, Size};
+use asami_dataset::{Log, Models};
 
-use crate::synthetic::{Pacer, action_error, curve_of_action, curve_of_sensor, floors, learn, score, starting};
+use crate::synthetic::{Pacer, action_error, curve_of_action, curve_of_sensor, floors, learn, scaled, score, starting};
 
 fn mean_errors(pacer: &Pacer, start: &str, with: &[(&str, f64)], seeds: u64) -> (f64, f64) {
     let scores = (0..seeds).map(|seed| {
@@ -56,24 +56,6 @@ fn without_the_pull_it_drifts() {
     };
     let (with, without) = (parts(1.0 / 30.0), parts(0.0));
     assert!(without > 1.5 * with, "w_a and w_s end {with} m apart with the pull, {without} m without");
-}
-
-/// A log of the same motion in other units.
-fn scaled(log: &Log, by_c: f64, by_o: f64, later_s: f64) -> Log {
-    let commands: Vec<Command> = log
-        .commands
-        .iter()
-        .map(|row| Command {
-            t_s: row.t_s + later_s,
-            action: Action::Wheels { v_m_per_s: by_c * row.action.forward_m_per_s().unwrap(), omega_rad_per_s: 0.0 },
-        })
-        .collect();
-    let sightings: Vec<Sighting> = log
-        .sightings
-        .iter()
-        .map(|row| Sighting { t_s: row.t_s + later_s, size: Size::HeightPx(by_o * row.size.value()), ..*row })
-        .collect();
-    Log { commands: commands.into(), sightings: sightings.into(), ..Log::default() }
 }
 
 #[test]

@@ -148,3 +148,21 @@ pub fn starting(name: &str) -> Models {
     };
     Models { action: Some(action), ..Models::default() }
 }
+
+/// A log of the same motion in other units.
+pub fn scaled(log: &Log, by_c: f64, by_o: f64, later_s: f64) -> Log {
+    let commands: Vec<Command> = log
+        .commands
+        .iter()
+        .map(|row| Command {
+            t_s: row.t_s + later_s,
+            action: Action::Wheels { v_m_per_s: by_c * row.action.forward_m_per_s().unwrap(), omega_rad_per_s: 0.0 },
+        })
+        .collect();
+    let sightings: Vec<Sighting> = log
+        .sightings
+        .iter()
+        .map(|row| Sighting { t_s: row.t_s + later_s, size: Size::HeightPx(by_o * row.size.value()), ..*row })
+        .collect();
+    Log { commands: commands.into(), sightings: sightings.into(), ..Log::default() }
+}
