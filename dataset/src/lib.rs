@@ -8,6 +8,7 @@ pub mod log;
 pub mod models;
 pub mod parameters;
 pub mod seed;
+pub mod store;
 pub mod survey;
 pub mod truth;
 

@@ -218,7 +218,7 @@ pub struct Known {
     pub landmarks: Vec<Beacon>,
     /// The laser scanner, of a robot that has one.
     pub velodyne: Option<Velodyne>,
-    /// What 1.0 of a pedal meant, where an importer scaled it: name and value.
+    /// What 1.0 of a pedal meant, where an importer scaled it: name and value, in order of name.
     pub full_scale: Vec<(String, f64)>,
 }
 
