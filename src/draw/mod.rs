@@ -5,6 +5,7 @@
 //! report does at night).
 
 pub mod axis;
+pub mod chapter3;
 pub mod figure;
 pub mod picture;
 mod svg;
