@@ -7,4 +7,5 @@ pub mod effects;
 pub mod knobs;
 pub mod robots;
 pub mod scenes;
+pub mod sensors;
 pub mod world;

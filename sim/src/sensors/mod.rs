@@ -1,0 +1,8 @@
+//! Devices that observe: what the robot is given instead of the truth.
+
+mod blobs;
+pub mod camera;
+pub mod image;
+mod paint;
+mod raster;
+pub mod vision;
