@@ -113,12 +113,21 @@ fn scripts_run_in_a_browser() {
     };
     let dir = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let page = dir.path().join("report.html");
-    // Click on the second head twice, as a reader would, and leave the order where the dump shows it.
-    let click = "<script>const head = document.querySelectorAll('th')[1]; head.click(); head.click();\
-                 document.body.dataset.order = [...document.querySelectorAll('tbody tr')].map(r => r.cells[0].textContent).join();</script>";
-    std::fs::write(&page, report().html().replace("</body>", &format!("{click}</body>"))).unwrap();
+    // Click on the second head twice and point at a sample, as a reader would, and leave what comes of it
+    // where the dump shows it.
+    let act = "<script>const head = document.querySelectorAll('th')[1]; head.click(); head.click();\
+               const svg = document.querySelector('figure svg'), box = svg.getBoundingClientRect();\
+               const { plot, x, y, series } = JSON.parse(document.querySelector('figure script').textContent);\
+               const [u, v] = series[0].points[30], scale = box.width / svg.viewBox.baseVal.width;\
+               const mx = plot[0] + (u - x.range[0]) / (x.range[1] - x.range[0]) * plot[2];\
+               const my = plot[1] + (y.range[1] - v) / (y.range[1] - y.range[0]) * plot[3];\
+               svg.dispatchEvent(new MouseEvent('mousemove', { clientX: box.left + mx * scale, clientY: box.top + my * scale }));\
+               document.body.dataset.told = document.getElementById('tip').textContent.replaceAll('\\n', '; ');\
+               document.body.dataset.order = [...document.querySelectorAll('tbody tr')].map(r => r.cells[0].textContent).join();</script>";
+    std::fs::write(&page, report().html().replace("</body>", &format!("{act}</body>"))).unwrap();
     let dom = dom(browser, &page, &dir.path().join("profile"));
     assert!(dom.contains("data-ready=\"1 tables, 3 series\""), "scripts did not run: {dom:.400}");
+    assert!(dom.contains("data-told=\"samples; time (s): 3; height (px): 5.645\""), "no point was told: {dom:.3000}");
     assert!(dom.contains("data-order=\"dissertation,a,b\""), "the table was not sorted");
 }
 

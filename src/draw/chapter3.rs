@@ -2,6 +2,7 @@
 
 use asami_dataset::survey::{Height, Speed};
 use asami_math::polynomial::Polynomial;
+use asami_math::statistics;
 
 use super::axis::cover;
 use super::figure::{Figure, Mark, Stroke};
@@ -55,6 +56,7 @@ pub fn figure_3_6(by_sensor: &[[f64; 2]], by_action: &[[f64; 2]]) -> Figure {
     Figure::new("Figure 3.6", "An action model from a given sensor model")
         .x("time", "s")
         .y("place", "units of the given sensor model")
+        .size(1120, 340)
         .points("by the sensor model", Mark::Plus, thinned(by_sensor))
         .line("by the learned action model", Stroke::Solid, by_action)
         .caption(
@@ -200,7 +202,7 @@ fn spread_over_time(curves: &[Vec<[f64; 2]>]) -> Vec<Spread> {
         let mut values: Vec<f64> = held.filter(|value| value.is_finite()).collect();
         values.sort_by(f64::total_cmp);
         let quartiles = (quantile(&values, 0.25)?, quantile(&values, 0.75)?);
-        Some(Spread { t_s, mean: values.iter().sum::<f64>() / values.len() as f64, quartiles })
+        Some(Spread { t_s, mean: statistics::mean(&values)?, quartiles })
     };
     times_s.iter().filter_map(|t_s| at(*t_s)).collect()
 }
