@@ -118,7 +118,7 @@ fn part_into(part: &Part, at: impl Fn([f64; 2]) -> (f64, f64), out: &mut String)
         return;
     }
     let path = places.join("L");
-    let (class, colour) = if part.far { ("grid", "#b4bac3") } else { ("ink-stroke", INK) };
+    let (class, colour) = if part.far { ("far", "#b4bac3") } else { ("ink-stroke", INK) };
     let _ = if part.solid {
         write!(
             out,
