@@ -2,7 +2,9 @@
 //! trials, tables, figures, reports.
 
 pub mod draw;
+pub mod import;
 pub mod report;
 pub mod scenario;
 pub mod scorer;
 pub mod splice;
+pub mod verb;
