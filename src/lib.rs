@@ -6,5 +6,8 @@ pub mod import;
 pub mod report;
 pub mod scenario;
 pub mod scorer;
+pub mod simulate;
 pub mod splice;
+pub mod sweep;
+pub mod trial;
 pub mod verb;

@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 
 use asami_dataset::parameters::{Fault, Parameter, Parameters, out_of_range};
+use asami_learners::{Learners, Needs};
 use asami_sim::effects::Effects;
 use asami_sim::scenes::field::Field;
 
 use super::wire::{self, Wire};
-use super::{Expect, Origin, Recording, Robot, Row, Scenario, Simulation, Window};
+use super::{Expect, Origin, Recording, Robot, Row, Scenario, Simulation, Start, Window};
 
 const fn number(name: &'static str, unit: &'static str, range: (f64, f64)) -> Parameter {
     Parameter { name, unit, default: 0.0, range, about: "" }
@@ -29,7 +30,8 @@ pub fn scenario(name: &str, wire: Wire, faults: &mut Vec<Fault>) -> Option<Scena
     wire.divergence.check("divergence", faults);
     let origin = origin(&wire, faults);
     let most_s = origin.as_ref().map_or(f64::INFINITY, longest_s);
-    let rows = rows(&wire.rows, most_s, faults);
+    wire.learners.check("learners", faults);
+    let rows = rows(&wire, most_s, faults);
     for (i, expect) in wire.expect.iter().enumerate() {
         expectation(i, expect, &rows, faults);
     }
@@ -62,7 +64,9 @@ fn recording(wire: &Wire, source: &str, faults: &mut Vec<Fault>) -> Option<Recor
         ("duration_s", wire.duration_s.is_some()),
         ("seeds", wire.seeds.is_some()),
         ("first_seed", wire.first_seed.is_some()),
+        ("aibo", wire.aibo.is_some()),
         ("field", wire.field.is_some()),
+        ("start", wire.start.is_some()),
         ("drive", wire.drive.is_some()),
         ("effects", wire.effects.is_some()),
     ];
@@ -138,6 +142,10 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
         let (far, near) = (drive.far_height_px, drive.near_height_px);
         fault(faults, "drive.far_height_px", format!("far_height_px must be below near_height_px {near}, not {far}"));
     }
+    let aibo = wire.aibo.clone().unwrap_or_default();
+    aibo.check("aibo", faults);
+    let start = wire.start.clone().unwrap_or_default();
+    start.check("start", faults);
     let field = wire.field.clone().unwrap_or_default();
     field_rules(&field, faults);
     let effects = wire.effects.clone().unwrap_or_default();
@@ -147,7 +155,9 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
         duration_s: duration_s?,
         seeds: seeds.map(|n| n as u32)?,
         first_seed: first_seed.max(0) as u64,
+        aibo,
         field,
+        start,
         drive,
         effects,
     })
@@ -180,20 +190,20 @@ fn longest_s(origin: &Origin) -> f64 {
     }
 }
 
-fn rows(wire: &[wire::Row], most_s: f64, faults: &mut Vec<Fault>) -> Vec<Row> {
-    if wire.is_empty() {
+fn rows(wire: &Wire, most_s: f64, faults: &mut Vec<Fault>) -> Vec<Row> {
+    if wire.rows.is_empty() {
         fault(faults, "rows", "a scenario must have at least one [[rows]]");
     }
     let mut seen = BTreeSet::new();
     let mut rows = Vec::new();
-    for (i, row) in wire.iter().enumerate() {
+    for (i, row) in wire.rows.iter().enumerate() {
         let path = format!("rows.{i}");
+        learner(&path, row, &wire.learners, faults);
         let label = row.label.clone().unwrap_or_else(|| row.learner.clone());
         let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        if label.is_empty() || !label.chars().all(is_name) {
-            let key = if row.label.is_some() { "as" } else { "learner" };
+        if row.label.is_some() && (label.is_empty() || !label.chars().all(is_name)) {
             let message = format!("a name in tables is letters, digits and _, not {label:?}");
-            fault(faults, &format!("{path}.{key}"), message);
+            fault(faults, &format!("{path}.as"), message);
         }
         let duration_s = row.duration_s.unwrap_or(most_s);
         if row.duration_s.is_some() {
@@ -208,6 +218,42 @@ fn rows(wire: &[wire::Row], most_s: f64, faults: &mut Vec<Fault>) -> Vec<Row> {
         rows.push(Row { learner: row.learner.clone(), label, start: row.start, duration_s, with: row.with.clone() });
     }
     rows
+}
+
+/// A row's learner must be there, have the parameters that the row sets, and be given what it needs.
+fn learner(path: &str, row: &wire::Row, learners: &Learners, faults: &mut Vec<Fault>) {
+    let catalogue = asami_learners::catalogue();
+    let Some(about) = catalogue.iter().find(|about| about.name == row.learner) else {
+        let names: Vec<_> = catalogue.iter().map(|about| format!("`{}`", about.name)).collect();
+        let message = format!("unknown learner `{}`, expected one of {}", row.learner, names.join(", "));
+        return fault(faults, &format!("{path}.learner"), message);
+    };
+    let mut known = row.with.clone();
+    for name in row.with.keys().filter(|name| !about.parameters.iter().any(|parameter| parameter.name == **name)) {
+        known.remove(name);
+        let names: Vec<_> = about.parameters.iter().map(|parameter| format!("`{}`", parameter.name)).collect();
+        let message = format!("unknown parameter `{name}` of {}, expected one of {}", about.name, names.join(", "));
+        fault(faults, &format!("{path}.with.{name}"), message);
+    }
+    // Faults of the table itself have been found already: only what this row sets is its own fault.
+    if let Err(found) = learners.configured(about.name, &known) {
+        let own = found.into_iter().filter(|fault| known.keys().any(|name| fault.path.ends_with(&format!(".{name}"))));
+        let place = format!("learners.{}", about.name);
+        faults
+            .extend(own.map(|fault| Fault { path: fault.path.replacen(&place, &format!("{path}.with"), 1), ..fault }));
+    }
+    let start = row.start.map_or("none", Start::name);
+    let (fits, needs) = match about.needs {
+        Needs::Nothing => (row.start.is_none(), "no start"),
+        Needs::Action => {
+            (row.start.is_some_and(Start::is_action_model), "start = \"c\", \"sgn\", \"one\" or \"reference_quartic\"")
+        }
+        Needs::Sensor => (row.start == Some(Start::ReferenceCubic), "start = \"reference_cubic\""),
+    };
+    if !fits {
+        let message = format!("learner {} takes {needs}, not {start}", about.name);
+        fault(faults, &format!("{path}.{}", if row.start.is_some() { "start" } else { "learner" }), message);
+    }
 }
 
 /// An expectation must be about rows that there are.

@@ -12,9 +12,11 @@ use std::ops::Range;
 use std::path::Path;
 
 use asami_dataset::{ActionModel, Models};
+use asami_learners::Learners;
 use asami_math::polynomial::Polynomial;
 use asami_sim::drives::pace::Pacing;
 use asami_sim::effects::Effects;
+use asami_sim::robots::aibo::AiboConfig;
 use asami_sim::scenes::field::Field;
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +34,7 @@ pub struct Scenario {
     /// What is learned from each log.
     pub rows: Vec<Row>,
     /// Parameters of the learners, by learner.
-    pub learners: BTreeMap<String, BTreeMap<String, f64>>,
+    pub learners: Learners,
     /// When a trial counts as diverged.
     pub divergence: Divergence,
     /// The expected answers.
@@ -59,8 +61,12 @@ pub struct Simulation {
     pub seeds: u32,
     /// The seed of the first; the others follow.
     pub first_seed: u64,
+    /// The Aibo's own tables.
+    pub aibo: AiboConfig,
     /// What stands on the field.
     pub field: Field,
+    /// Where the robot stands at first.
+    pub start: Placement,
     /// The policy.
     pub drive: Pacing,
     /// What the nominal world leaves out.
@@ -85,6 +91,20 @@ impl Robot {
     }
 }
 
+asami_dataset::parameters! {
+    /// Where the robot stands when a log begins, facing world +y at heading 0.
+    pub struct Placement {
+        /// World x.
+        x_m: f64 = 0.0, "m", -100.0..=100.0;
+        /// World y.
+        y_m: f64 = -2.4, "m", -100.0..=100.0;
+        /// Heading, counter-clockwise.
+        theta_rad: f64 = 0.0, "rad", -3.2..=3.2;
+        /// Each seed starts up to this much further on or back.
+        y_spread_m: f64 = 0.3, "m", 0.0..=10.0;
+    }
+}
+
 /// A recorded log and how it is cut.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recording {
@@ -95,7 +115,7 @@ pub struct Recording {
 }
 
 /// A piece of a recorded log.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Window {
     /// Where it begins, in seconds since the recording began.
     pub start_s: f64,

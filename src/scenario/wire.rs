@@ -3,13 +3,15 @@
 use std::collections::BTreeMap;
 
 use asami_dataset::parameters::Fault;
+use asami_learners::Learners;
 use asami_sim::drives::pace::Pacing;
 use asami_sim::effects::Effects;
+use asami_sim::robots::aibo::AiboConfig;
 use asami_sim::scenes::field::Field;
 use serde::Deserialize;
 use toml::de::DeTable;
 
-use super::{Divergence, Expect, Robot, Start};
+use super::{Divergence, Expect, Placement, Robot, Start};
 
 /// The version of the scenario format that this program reads.
 pub const SCHEMA: i64 = 1;
@@ -35,15 +37,19 @@ pub struct Wire {
     pub seeds: Option<i64>,
     /// The first seed.
     pub first_seed: Option<i64>,
+    /// The Aibo.
+    pub aibo: Option<AiboConfig>,
     /// The field.
     pub field: Option<Field>,
+    /// Where the robot stands at first.
+    pub start: Option<Placement>,
     /// The policy.
     pub drive: Option<Pacing>,
     /// Effects.
     pub effects: Option<Effects>,
     /// Learners' parameters.
     #[serde(default)]
-    pub learners: BTreeMap<String, BTreeMap<String, f64>>,
+    pub learners: Learners,
     /// Rows of the table.
     pub rows: Vec<Row>,
     /// When a trial counts as diverged.

@@ -47,7 +47,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub use error::{Place, ReadError, WriteError, Wrong};
-pub use models::{read_models, write_models};
+pub use models::{models_text, parse_models, read_models, write_models};
 pub use number::{number, push_number};
 pub use survey::{read_survey, write_survey};
 

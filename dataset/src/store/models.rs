@@ -33,6 +33,24 @@ pub fn write_models(learner: &str, models: &Models, path: &Path) -> Result<(), W
     super::replace(path, &source.text)
 }
 
+/// What [`write_models`] would write.
+///
+/// # Errors
+/// Where the models hold what the format refuses.
+pub fn models_text(learner: &str, models: &Models) -> Result<String, ReadError> {
+    let source = Source { file: "models.toml".into(), text: text(learner, models) };
+    parse(&source)?;
+    Ok(source.text)
+}
+
+/// Reads models out of the text of a `models.toml`.
+///
+/// # Errors
+/// [`ReadError`] where it is not what the format says.
+pub fn parse_models(text: String) -> Result<(String, Models), ReadError> {
+    parse(&Source { file: "models.toml".into(), text })
+}
+
 fn parse(source: &Source) -> Result<(String, Models), ReadError> {
     let root = source.parse()?;
     let mut keys = Keys::of(source, &root);

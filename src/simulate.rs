@@ -1,0 +1,52 @@
+//! From a scenario's simulation to worlds and logs.
+
+use asami_dataset::{Dataset, Provenance, Seed};
+use asami_sim::drives::pace::Pace;
+use asami_sim::robots::aibo::{AiboWorld, BuildError, Start};
+use asami_sim::world::{self, World};
+use rand::RngExt;
+
+use crate::scenario::{Robot, Scenario, Simulation};
+
+impl Simulation {
+    /// The world of a case. The seed draws where the robot stands and where in its stride it is, and
+    /// every noise.
+    ///
+    /// # Errors
+    /// If the robot cannot be built.
+    pub fn world(&self, seed: Seed) -> Result<Box<dyn World>, BuildError> {
+        let mut rng = seed.stream("start");
+        let ahead_m = self.start.y_spread_m * (2.0 * rng.random::<f64>() - 1.0);
+        let start = Start {
+            x_m: self.start.x_m,
+            y_m: self.start.y_m + ahead_m,
+            theta_rad: self.start.theta_rad,
+            gait_phase: rng.random::<f64>(),
+        };
+        match self.robot {
+            Robot::Aibo => Ok(Box::new(AiboWorld::new(&self.aibo, &self.field, 20.0, &self.effects, start, seed)?)),
+        }
+    }
+
+    /// The log of a case, and where the robot was.
+    ///
+    /// # Errors
+    /// If the robot cannot be built.
+    pub fn dataset(&self, seed: Seed) -> Result<Dataset, BuildError> {
+        let mut drive = Pace::new(self.drive.clone(), seed.stream("drive"));
+        Ok(world::run(&mut *self.world(seed)?, &mut drive, self.duration_s))
+    }
+}
+
+impl Scenario {
+    /// Where a log of this scenario comes from.
+    #[must_use]
+    pub fn provenance(&self, seed: Seed) -> Provenance {
+        Provenance {
+            scenario: self.name.clone(),
+            scenario_hash: self.hash(),
+            seed: seed.0,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        }
+    }
+}

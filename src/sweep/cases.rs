@@ -1,0 +1,119 @@
+//! One file for each finished case: what makes a stopped sweep go on.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{CannotSweep, Record};
+use crate::trial::{Case, Ending};
+
+/// The folder of finished cases.
+pub struct Store {
+    folder: PathBuf,
+    key: String,
+}
+
+/// What a folder held before the sweep began.
+#[derive(Debug)]
+pub struct Found {
+    /// For each case, what was done of it.
+    pub records: Vec<Option<Record>>,
+    /// Whether there were cases of another scenario or program, which are not gone on with.
+    pub stale: bool,
+}
+
+impl Found {
+    /// How many cases are done.
+    #[must_use]
+    pub fn done(&self) -> usize {
+        self.records.iter().flatten().count()
+    }
+}
+
+/// The file of a case.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    key: String,
+    record: Record,
+}
+
+/// Only the key: what a file of another program may still have in common with ours.
+#[derive(Deserialize)]
+struct Keyed {
+    key: String,
+}
+
+impl Store {
+    /// Opens the folder `cases` under `out`, making it if need be.
+    ///
+    /// # Errors
+    /// If it cannot be made.
+    pub fn open(out: &Path, key: &str) -> Result<Self, CannotSweep> {
+        let folder = out.join("cases");
+        std::fs::create_dir_all(&folder).map_err(CannotSweep::file("make", &folder))?;
+        Ok(Self { folder, key: key.to_owned() })
+    }
+
+    /// Looks for each of `cases`, and removes what belongs to none of them.
+    ///
+    /// # Errors
+    /// If the folder cannot be read, or leftovers not be removed.
+    pub fn find(&self, cases: &[Case]) -> Result<Found, CannotSweep> {
+        let mut stale = false;
+        let entries = std::fs::read_dir(&self.folder).map_err(CannotSweep::file("read", &self.folder))?;
+        for entry in entries {
+            let path = entry.map_err(CannotSweep::file("read", &self.folder))?.path();
+            let is_case = path.extension().is_some_and(|extension| extension == "json");
+            let is_part = path.extension().is_some_and(|extension| extension == "part");
+            if !is_case && !is_part {
+                continue;
+            }
+            let key = is_case.then(|| std::fs::read(&path).ok()).flatten();
+            let key = key.and_then(|bytes| serde_json::from_slice::<Keyed>(&bytes).ok()).map(|kept| kept.key);
+            if key.as_deref() == Some(&*self.key) {
+                continue;
+            }
+            // Half-written files of a killed sweep end in .part: they say nothing of another program.
+            stale |= is_case;
+            std::fs::remove_file(&path).map_err(CannotSweep::file("remove", &path))?;
+        }
+        Ok(Found { records: cases.iter().map(|case| self.read(case)).collect(), stale })
+    }
+
+    /// Keeps a finished case: written aside, then renamed, so that a file is whole or not there. A
+    /// case with an error is not kept: it is tried again next time.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn keep(&self, record: &Record) -> Result<(), CannotSweep> {
+        if record.trials.iter().any(|trial| trial.ending == Ending::Error) {
+            return Ok(());
+        }
+        let path = self.path(&record.case);
+        let kept = Kept { key: self.key.clone(), record: record.clone() };
+        let bytes = serde_json::to_vec(&kept).map_err(|error| std::io::Error::other(error.to_string()));
+        write_whole(&path, &bytes.map_err(CannotSweep::file("serialise", &path))?)
+    }
+
+    fn path(&self, case: &Case) -> PathBuf {
+        self.folder.join(format!("{}.json", case.name()))
+    }
+
+    fn read(&self, case: &Case) -> Option<Record> {
+        let bytes = std::fs::read(self.path(case)).ok()?;
+        let kept: Kept = serde_json::from_slice(&bytes).ok()?;
+        (kept.key == self.key && kept.record.case == *case).then_some(kept.record)
+    }
+}
+
+/// Writes a file aside, then renames it.
+///
+/// # Errors
+/// If either fails.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), CannotSweep> {
+    let mut aside = path.as_os_str().to_owned();
+    aside.push(".part");
+    let aside = PathBuf::from(aside);
+    std::fs::write(&aside, bytes).map_err(CannotSweep::file("write", &aside))?;
+    std::fs::rename(&aside, path).map_err(CannotSweep::file("rename", path))
+}

@@ -1,0 +1,94 @@
+//! Whether the expected answers of a scenario came out.
+
+use super::Results;
+use super::summary::{Comparison, Summary};
+use super::table::{Line, Whose};
+use crate::scenario::{Expect, Start};
+
+/// One expected answer and what came of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// What was expected of which row, and what was found.
+    pub claim: String,
+    /// Whether it holds.
+    pub holds: bool,
+}
+
+/// Every claim of the scenario's `[[expect]]`, in order.
+#[must_use]
+pub fn verdicts(results: &Results, summaries: &[Summary], comparisons: &[Comparison], lines: &[Line]) -> Vec<Verdict> {
+    let rows = &results.scenario.rows;
+    let mut verdicts = Vec::new();
+    for expect in &results.scenario.expect {
+        let Some(index) = rows.iter().position(|row| expect.is_about(row)) else { continue };
+        let row = &rows[index];
+        let start = row.start.map_or_else(String::new, |start| format!(" from {}", start.name()));
+        let name = format!("{}{start}, {} s", row.label, row.duration_s);
+        let found = claims(expect, index, results, &summaries[index], comparisons, lines);
+        verdicts.extend(found.into_iter().map(|(claim, holds)| Verdict { claim: format!("{name}: {claim}"), holds }));
+    }
+    verdicts
+}
+
+fn claims(
+    expect: &Expect,
+    index: usize,
+    results: &Results,
+    summary: &Summary,
+    comparisons: &[Comparison],
+    lines: &[Line],
+) -> Vec<(String, bool)> {
+    let mut claims = Vec::new();
+    let share = summary.converged as f64 / (summary.trials as f64).max(1.0);
+    let count = format!("{} of {}", summary.converged, summary.trials);
+    if let Some(least) = expect.converged_share_min {
+        claims.push((format!("at least {:.0} % converge ({count})", 100.0 * least), share >= least));
+    }
+    if let Some(most) = expect.converged_share_max {
+        claims.push((format!("at most {:.0} % converge ({count})", 100.0 * most), share <= most));
+    }
+    let reference = |name: &str, start: Option<Start>| {
+        lines.iter().find(|line| line.whose == Whose::Reference && line.learner == name && line.start == start)
+    };
+    let floor = reference("floor", None);
+    let ratios = [
+        ("sensor", expect.sensor_to_floor_max, &summary.sensor_rmse_m, floor.and_then(|line| line.sensor_rmse_mm)),
+        (
+            "action",
+            expect.action_to_floor_max,
+            &summary.action_rmse_m_per_s,
+            floor.and_then(|line| line.action_rmse_mm_per_s),
+        ),
+    ];
+    for (model, most, spread, floor) in ratios {
+        let Some(most) = most else { continue };
+        let ratio = spread.zip(floor).map(|(spread, (floor_mm, _))| spread.mean * 1000.0 / floor_mm);
+        let found = ratio.map_or_else(|| "no number".to_owned(), |ratio| format!("{ratio:.2}"));
+        let holds = ratio.is_some_and(|ratio| ratio <= most);
+        claims.push((format!("{model} error at most {most} x the floor ({found})"), holds));
+    }
+    if expect.beats_unlearned {
+        let unlearned = reference("unlearned", Some(Start::C)).and_then(|line| line.action_rmse_mm_per_s);
+        let ours = summary.action_rmse_m_per_s.map(|spread| spread.mean * 1000.0);
+        let holds = ours.zip(unlearned).is_some_and(|(ours, (unlearned, _))| ours < unlearned);
+        let shown = |value: Option<f64>| value.map_or_else(|| "no number".to_owned(), |value| format!("{value:.1}"));
+        let (ours, unlearned) = (shown(ours), shown(unlearned.map(|(mean, _)| mean)));
+        claims.push((format!("action error below the unlearned model's ({ours} against {unlearned} mm/s)"), holds));
+    }
+    if let Some(beaten) = &expect.beats {
+        for it in comparisons.iter().filter(|it| it.row == index) {
+            let against = &results.scenario.rows[it.against];
+            if against.label != *beaten {
+                continue;
+            }
+            let holds = it.median_difference < 0.0 && it.p < 0.05;
+            let start = against.start.map_or("", Start::name);
+            let difference = it.median_difference * 1000.0;
+            let (quantity, pairs, p) = (it.quantity, it.pairs, it.p);
+            let claim =
+                format!("{quantity} below {beaten} {start}'s (median {difference:.1} mm over {pairs}, p = {p:.2e})");
+            claims.push((claim, holds));
+        }
+    }
+    claims
+}

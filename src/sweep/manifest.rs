@@ -1,0 +1,87 @@
+//! `manifest.json`: what a folder of results was made by.
+
+use std::path::Path;
+use std::process::Command;
+
+use serde::Serialize;
+
+use super::Results;
+use crate::scenario::Scenario;
+
+/// What made the results.
+#[derive(Clone, Debug, Serialize)]
+pub struct Manifest {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Hash of the checked scenario.
+    pub scenario_hash: String,
+    /// Version of asami.
+    pub version: &'static str,
+    /// Commit of the repository, where git is there and says so.
+    pub commit: Option<String>,
+    /// Whether files differ from that commit.
+    pub dirty: Option<bool>,
+    /// Hash of Cargo.lock.
+    pub lock_hash: String,
+    /// Hash of the program's file.
+    pub program: String,
+    /// Compiler.
+    pub rustc: &'static str,
+    /// What it compiled for.
+    pub target: &'static str,
+    /// `debug` or `release`.
+    pub profile: &'static str,
+    /// Cargo features that are on.
+    pub features: Vec<&'static str>,
+    /// Seeds of the cases, in order, each once.
+    pub seeds: Vec<u64>,
+    /// Number of cases.
+    pub cases: usize,
+    /// Number of trials.
+    pub trials: usize,
+}
+
+/// The repository that the program was built in, where it still is there; else the current folder.
+#[must_use]
+pub fn repository() -> &'static Path {
+    let built_in = Path::new(env!("CARGO_MANIFEST_DIR"));
+    if built_in.is_dir() { built_in } else { Path::new(".") }
+}
+
+/// The manifest of complete results.
+#[must_use]
+pub fn manifest(results: &Results, program: &str) -> Manifest {
+    let mut seeds: Vec<u64> = results.records.iter().map(|record| record.case.seed).collect();
+    seeds.dedup();
+    let Scenario { name, .. } = &results.scenario;
+    Manifest {
+        scenario: name.clone(),
+        scenario_hash: results.scenario.hash(),
+        version: env!("CARGO_PKG_VERSION"),
+        commit: git(&["rev-parse", "HEAD"]),
+        dirty: git(&["status", "--porcelain"]).map(|changes| !changes.is_empty()),
+        lock_hash: format!("blake3:{}", blake3::hash(include_bytes!("../../Cargo.lock")).to_hex()),
+        program: program.to_owned(),
+        rustc: env!("ASAMI_RUSTC"),
+        target: env!("ASAMI_TARGET"),
+        profile: env!("ASAMI_PROFILE"),
+        features: Vec::new(),
+        seeds,
+        cases: results.records.len(),
+        trials: results.trials().count(),
+    }
+}
+
+/// The hash of the running program's file; of what it says of itself, where that cannot be read.
+#[must_use]
+pub fn program() -> String {
+    let bytes = std::env::current_exe().and_then(std::fs::read);
+    let said = [env!("CARGO_PKG_VERSION"), env!("ASAMI_RUSTC"), env!("ASAMI_PROFILE")].join(" ");
+    let hash = blake3::hash(bytes.as_deref().unwrap_or(said.as_bytes()));
+    format!("blake3:{}", hash.to_hex())
+}
+
+fn git(arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git").args(arguments).current_dir(repository()).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}

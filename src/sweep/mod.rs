@@ -1,0 +1,223 @@
+//! All trials of a scenario: plan, run, merge.
+//!
+//! The unit of work is a case: its log is made once, every row's learner learns from it, and it is
+//! dropped. Cases run in parallel; each finished one is a file, so that a stopped sweep goes on
+//! where it was. What is written is the same whatever the order, the threads or the interruptions.
+
+pub mod cases;
+pub mod expect;
+pub mod manifest;
+pub mod progress;
+pub mod published;
+pub mod rows;
+pub mod source;
+pub mod summary;
+pub mod table;
+pub mod verb;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use asami_dataset::{Dataset, Models, Survey};
+use asami_learners::Learner;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::{Scenario, Start};
+use crate::scorer::{Scores, Yardstick};
+use crate::trial::{self, Case, Ending, Setting, Trial};
+
+/// A checked scenario with everything that its names stand for.
+pub struct Plan {
+    /// What is asked.
+    pub scenario: Scenario,
+    /// Where logs come from.
+    pub source: Box<dyn source::Source>,
+    /// One learner for each of the scenario's rows.
+    pub learners: Vec<Box<dyn Learner>>,
+}
+
+/// How a sweep is run; nothing here changes a result.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Where results go.
+    pub out: PathBuf,
+    /// Threads; `None`: one for each core.
+    pub jobs: Option<usize>,
+    /// What the program is: its file's hash. Results of another program are not gone on with.
+    pub program: String,
+}
+
+/// Hears how a sweep goes on.
+pub trait Watcher: Sync {
+    /// Before the first case: how many cases and trials there are, and how many are done already.
+    fn begins(&self, state: &cases::Found, trials_per_case: usize);
+    /// A case is done.
+    fn finished(&self, record: &Record);
+}
+
+/// Hears nothing.
+pub struct Silent;
+
+impl Watcher for Silent {
+    fn begins(&self, _state: &cases::Found, _trials_per_case: usize) {}
+    fn finished(&self, _record: &Record) {}
+}
+
+/// What is kept of a finished case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Which.
+    pub case: Case,
+    /// One for each row of the scenario, in order.
+    pub trials: Vec<Trial>,
+    /// Errors of the best models there are of the published degrees.
+    pub references: Vec<Reference>,
+    /// How long it took; goes to `timings.csv` only.
+    pub timing: Timing,
+}
+
+/// A row that needs the truth and is no learner's.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reference {
+    /// `floor` or `unlearned`.
+    pub name: String,
+    /// The starting model as it is, of `unlearned`.
+    pub start: Option<Start>,
+    /// Its errors.
+    pub scores: Scores,
+}
+
+/// Wall-clock seconds.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    /// To make or read the log.
+    pub log_s: f64,
+    /// Of each trial.
+    pub trials_s: Vec<f64>,
+}
+
+/// A sweep's results, complete and in order.
+pub struct Results {
+    /// What was asked.
+    pub scenario: Scenario,
+    /// One for each case, in the scenario's order.
+    pub records: Vec<Record>,
+    /// Truth about the models, where the cases share one.
+    pub survey: Option<Survey>,
+}
+
+impl Results {
+    /// Every trial, by row and then by case.
+    pub fn trials(&self) -> impl Iterator<Item = (&Record, &Trial)> {
+        (0..self.scenario.rows.len())
+            .flat_map(move |row| self.records.iter().filter_map(move |record| Some((record, record.trials.get(row)?))))
+    }
+
+    /// Whether some trial gave no result.
+    #[must_use]
+    pub fn has_errors(&self) -> bool {
+        self.trials().any(|(_, trial)| trial.ending == Ending::Error)
+    }
+}
+
+/// What keeps a sweep from going on at all.
+#[derive(Debug, thiserror::Error)]
+pub enum CannotSweep {
+    /// A file of results cannot be written or read.
+    #[error("cannot {what} {}: {source}", path.display())]
+    File {
+        /// What was tried.
+        what: &'static str,
+        /// On which file.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+    /// The threads cannot be started.
+    #[error("cannot start the threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+impl CannotSweep {
+    /// For `map_err`: what was tried on which file.
+    pub fn file(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Self::File { what, path, source }
+    }
+}
+
+/// Runs the cases that are not done yet, and gives all of them.
+///
+/// # Errors
+/// [`CannotSweep`] if files cannot be written; nothing that happens inside a trial is an error here.
+pub fn run(plan: &Plan, options: &Options, watcher: &dyn Watcher) -> Result<Results, CannotSweep> {
+    let cases = plan.source.cases();
+    let store = cases::Store::open(&options.out, &key(plan, options))?;
+    let found = store.find(&cases)?;
+    watcher.begins(&found, plan.learners.len());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build()?;
+    let records = pool.install(|| {
+        let work: Vec<_> = cases.iter().zip(found.records).enumerate().collect();
+        work.into_par_iter()
+            // One at a time: a case takes seconds, and a thread must not sit on a queue of them.
+            .with_max_len(1)
+            .map(|(i, (case, done))| {
+                if let Some(record) = done {
+                    return Ok(record);
+                }
+                let record = run_case(plan, *case, i == 0);
+                store.keep(&record)?;
+                watcher.finished(&record);
+                Ok(record)
+            })
+            .collect::<Result<Vec<_>, CannotSweep>>()
+    })?;
+    Ok(Results { scenario: plan.scenario.clone(), records, survey: plan.source.survey() })
+}
+
+/// What a case's results depend on, beside the case itself.
+fn key(plan: &Plan, options: &Options) -> String {
+    let parts = [plan.scenario.hash(), plan.source.fingerprint(), options.program.clone()];
+    blake3::hash(parts.join("\n").as_bytes()).to_hex().to_string()
+}
+
+fn run_case(plan: &Plan, case: Case, keep_traces: bool) -> Record {
+    let began = Instant::now();
+    let made = catch_unwind(AssertUnwindSafe(|| plan.source.dataset(&case)))
+        .unwrap_or_else(|panic| Err(trial::panic_message(&*panic)));
+    let log_s = began.elapsed().as_secs_f64();
+    match made {
+        Ok(dataset) => learn_all(plan, case, &dataset, keep_traces, log_s),
+        Err(reason) => Record {
+            case,
+            trials: (0..plan.learners.len()).map(|row| trial::failed(row, case, reason.clone())).collect(),
+            references: Vec::new(),
+            timing: Timing { log_s, trials_s: vec![0.0; plan.learners.len()] },
+        },
+    }
+}
+
+fn learn_all(plan: &Plan, case: Case, dataset: &Dataset, keep_traces: bool, log_s: f64) -> Record {
+    let yardstick = Yardstick::of(&dataset.log, &dataset.truth);
+    let settings = plan.scenario.rows.iter().zip(&plan.learners).enumerate();
+    let (trials, trials_s) = settings
+        .map(|(index, (row, learner))| {
+            let divergence = &plan.scenario.divergence;
+            let setting = Setting { index, row, learner: &**learner, divergence, keep_traces };
+            trial::run(setting, case, dataset, &yardstick)
+        })
+        .unzip();
+    Record { case, trials, references: references(&yardstick), timing: Timing { log_s, trials_s } }
+}
+
+/// The floors: best polynomials of the published degrees; and what starting models are as they are.
+fn references(yardstick: &Yardstick) -> Vec<Reference> {
+    let floor = Models { action: yardstick.best_action(4), sensor: yardstick.best_sensor(3), ..Models::default() };
+    let unlearned = [Start::C, Start::Sgn, Start::One].into_iter().filter_map(|start| Some((start, start.models()?)));
+    std::iter::once(("floor", None, floor))
+        .chain(unlearned.map(|(start, models)| ("unlearned", Some(start), models)))
+        .map(|(name, start, models)| Reference { name: name.to_owned(), start, scores: yardstick.score(&models) })
+        .collect()
+}

@@ -1,0 +1,145 @@
+//! Statistics over a row's trials, and paired comparisons of rows.
+
+use asami_dataset::Seed;
+use asami_math::statistics;
+
+use super::{Record, Results};
+use crate::scenario::Row;
+use crate::scorer::Scores;
+use crate::trial::{Ending, Trial};
+
+/// Resamplings of a bootstrap interval.
+const RESAMPLES: usize = 2000;
+
+/// One quantity over a row's converged trials.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spread {
+    /// Mean, as the dissertation prints it.
+    pub mean: f64,
+    /// Standard deviation with n - 1, as the dissertation prints it; `None` for one trial.
+    pub sd: Option<f64>,
+    /// Median.
+    pub median: f64,
+    /// Mean of the middle half.
+    pub interquartile_mean: f64,
+    /// 95 % bootstrap interval of the mean.
+    pub interval: Option<[f64; 2]>,
+}
+
+/// A row of the table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Which of the scenario's rows.
+    pub row: usize,
+    /// Sensor model's error in metres.
+    pub sensor_rmse_m: Option<Spread>,
+    /// Action model's error in m/s.
+    pub action_rmse_m_per_s: Option<Spread>,
+    /// `| |k|/|b| - 1 |` (section 3.3.2).
+    pub scale_difference: Option<Spread>,
+    /// How many trials converged.
+    pub converged: usize,
+    /// Of how many.
+    pub trials: usize,
+}
+
+/// One row against another, over the logs on which both converged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// The row.
+    pub row: usize,
+    /// The row that it is held against.
+    pub against: usize,
+    /// What is compared.
+    pub quantity: &'static str,
+    /// On how many logs.
+    pub pairs: usize,
+    /// Median of the differences, row less `against`, in metres or m/s.
+    pub median_difference: f64,
+    /// Two-sided p of Wilcoxon's signed-rank test.
+    pub p: f64,
+}
+
+/// The summary of every row, in order. Overlapping windows are left out: they would count data twice.
+#[must_use]
+pub fn summaries(results: &Results) -> Vec<Summary> {
+    (0..results.scenario.rows.len()).map(|row| summary(results, row)).collect()
+}
+
+/// The cases that statistics are taken over: not the overlapping windows, which would count data twice.
+pub fn counted(results: &Results) -> impl Iterator<Item = &Record> {
+    results.records.iter().filter(|record| !record.case.window.is_some_and(|window| window.overlapping))
+}
+
+fn summary(results: &Results, row: usize) -> Summary {
+    let trials: Vec<&Trial> = counted(results).filter_map(|record| record.trials.get(row)).collect();
+    let converged: Vec<&Scores> =
+        trials.iter().filter(|trial| trial.ending == Ending::Converged).map(|trial| &trial.scores).collect();
+    let of = |name: &str, value: fn(&Scores) -> Option<f64>| {
+        let values: Vec<f64> = converged.iter().filter_map(|scores| value(scores)).collect();
+        spread(&values, &format!("bootstrap/{}/{name}", stream_name(&results.scenario.rows[row])))
+    };
+    Summary {
+        row,
+        sensor_rmse_m: of("sensor", |scores| scores.sensor_rmse_m),
+        action_rmse_m_per_s: of("action", |scores| scores.action_rmse_m_per_s),
+        scale_difference: of("scale", |scores| scores.scale_ratio().map(|ratio| (ratio - 1.0).abs())),
+        converged: converged.len(),
+        trials: trials.len(),
+    }
+}
+
+fn stream_name(row: &Row) -> String {
+    format!("{}/{}/{}", row.label, row.start.map_or("", crate::scenario::Start::name), row.duration_s)
+}
+
+fn spread(values: &[f64], stream: &str) -> Option<Spread> {
+    let mut rng = Seed(0).stream(stream);
+    Some(Spread {
+        mean: statistics::mean(values)?,
+        sd: statistics::standard_deviation(values),
+        median: statistics::median(values)?,
+        interquartile_mean: statistics::interquartile_mean(values)?,
+        interval: statistics::bootstrap_interval(values, 0.95, RESAMPLES, &mut rng),
+    })
+}
+
+/// Every row that needs no starting model against every row of Algorithm 1 as published, of the same
+/// duration.
+#[must_use]
+pub fn comparisons(results: &Results) -> Vec<Comparison> {
+    let rows = &results.scenario.rows;
+    let mut found = Vec::new();
+    for (i, row) in rows.iter().enumerate().filter(|(_, row)| row.start.is_none()) {
+        for (j, other) in rows.iter().enumerate() {
+            if other.label == "algorithm1" && other.duration_s == row.duration_s {
+                found.extend(compare(results, i, j, "sensor_rmse", |scores| scores.sensor_rmse_m));
+                found.extend(compare(results, i, j, "action_rmse", |scores| scores.action_rmse_m_per_s));
+            }
+        }
+    }
+    found
+}
+
+fn compare(
+    results: &Results,
+    row: usize,
+    against: usize,
+    quantity: &'static str,
+    value: fn(&Scores) -> Option<f64>,
+) -> Option<Comparison> {
+    let of = |record: &Record, row: usize| {
+        let trial = record.trials.get(row).filter(|trial| trial.ending == Ending::Converged)?;
+        value(&trial.scores)
+    };
+    let differences: Vec<f64> =
+        counted(results).filter_map(|record| Some(of(record, row)? - of(record, against)?)).collect();
+    Some(Comparison {
+        row,
+        against,
+        quantity,
+        pairs: differences.len(),
+        median_difference: statistics::median(&differences)?,
+        p: statistics::wilcoxon_signed_rank(&differences)?,
+    })
+}
