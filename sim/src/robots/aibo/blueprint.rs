@@ -61,6 +61,10 @@ pub struct Blueprint {
     pub legs: [Leg; 4],
     /// Radius of the feet.
     pub foot_radius_m: f64,
+    /// Foot of the neck, from the torso's origin: forward, left, up.
+    pub neck_m: [f64; 3],
+    /// From the foot of the neck to the head's axes.
+    pub neck_length_m: f64,
     /// The camera (x right, y down, z along the line of sight) in the head link.
     pub head_from_camera: Isometry3<f64>,
 }
@@ -99,7 +103,9 @@ impl Blueprint {
         let head_from_camera =
             Isometry3::from_parts(Translation3::new(x, y, z), UnitQuaternion::from_euler_angles(roll, pitch, yaw));
         let legs = [fl?, fr?, hl?, hr?];
-        Ok(Self { robot, joints, legs, foot_radius_m, head_from_camera })
+        let neck_m = *joint(&robot, "neck_tilt")?.origin.xyz;
+        let neck_length_m = joint(&robot, "head_pan")?.origin.xyz[2];
+        Ok(Self { joints, legs, foot_radius_m, neck_m, neck_length_m, head_from_camera, robot })
     }
 
     /// Mass of all links.

@@ -11,7 +11,7 @@ asami_dataset::parameters! {
         /// Engine steps in one control period.
         steps_per_tick: u32 = 2, "1", 1.0..=16.0;
         /// Solver iterations (substeps) of one step.
-        solver_iterations: u32 = 2, "1", 1.0..=16.0;
+        solver_iterations: u32 = 1, "1", 1.0..=16.0;
         /// Projected Gauss-Seidel sweeps of one iteration; fewer let a standing robot creep.
         pgs_iterations: u32 = 4, "1", 1.0..=16.0;
         /// Size of a typical body, which scales the engine's tolerances.
@@ -40,21 +40,21 @@ asami_dataset::parameters! {
     /// The virtual-wheel trot: diagonal pairs of legs, half-ellipse strides.
     pub struct Gait {
         /// One stride of a leg.
-        period_s: f64 = 0.48, "s", 0.1..=2.0;
+        period_s: f64 = 0.4385, "s", 0.1..=2.0;
         /// Share of the period that a foot is on the ground.
-        duty: f64 = 0.56, "1", 0.3..=0.9;
+        duty: f64 = 0.5225, "1", 0.3..=0.9;
         /// Height of a full stride.
-        lift_m: f64 = 0.025, "m", 0.0..=0.08;
+        lift_m: f64 = 0.0292, "m", 0.0..=0.08;
         /// Fore hips above the fore feet's centres.
-        fore_height_m: f64 = 0.0705, "m", 0.03..=0.14;
+        fore_height_m: f64 = 0.1051, "m", 0.03..=0.14;
         /// Hind hips above the hind feet's centres.
-        hind_height_m: f64 = 0.075, "m", 0.03..=0.145;
+        hind_height_m: f64 = 0.0827, "m", 0.03..=0.145;
         /// Fore feet at rest, before their hips.
-        fore_offset_m: f64 = 0.05, "m", -0.08..=0.08;
+        fore_offset_m: f64 = 0.031, "m", -0.08..=0.08;
         /// Hind feet at rest, before their hips.
-        hind_offset_m: f64 = -0.05, "m", -0.08..=0.08;
+        hind_offset_m: f64 = -0.0203, "m", -0.08..=0.08;
         /// Feet at rest, outward of their hips.
-        outward_offset_m: f64 = 0.0027, "m", -0.01..=0.05;
+        outward_offset_m: f64 = 0.0029, "m", -0.01..=0.05;
         /// Time constant with which the attempted velocity follows the command.
         command_lag_s: f64 = 0.12, "s", 0.0..=2.0;
         /// Attempted speed from which strides are lifted fully; below, the lift shrinks with it.
@@ -81,8 +81,9 @@ asami_dataset::parameters! {
 asami_dataset::parameters! {
     /// Where the head is held.
     pub struct Head {
-        /// Neck, leaning forward from upright; the nod keeps the camera level.
-        neck_tilt_rad: f64 = 0.35, "rad", 0.0..=1.39;
+        /// Neck, leaning forward from upright in the stance. The head pans about the neck, so that only an
+        /// upright one keeps a panning camera level.
+        neck_lean_rad: f64 = 0.0, "rad", 0.0..=1.3;
         /// Camera above level.
         camera_pitch_rad: f64 = 0.0, "rad", -0.3..=0.3;
         /// Greatest pan either way while scanning; 0 looks straight ahead.

@@ -8,6 +8,7 @@
 pub mod blueprint;
 pub mod body;
 pub mod config;
+pub mod eye;
 pub mod gait;
 pub mod grip;
 pub mod heading;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use asami_dataset::{Action, Beacon, Frame, Known, Seed, Sighting, TruePose};
+use asami_dataset::{Action, Beacon, Camera, Frame, Known, Seed, TruePose};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, sin};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -11,6 +11,7 @@ use super::BuildError;
 use super::blueprint::{Blueprint, JOINTS};
 use super::body::Body;
 use super::config::{AiboConfig, Head};
+use super::eye::Eye;
 use super::gait::{Attempt, Trot};
 use super::grip::Grip;
 use super::heading::Heading;
@@ -20,6 +21,7 @@ use crate::effect::{CommandStage, JointStage, SightingStage, Stage};
 use crate::effects::Effects;
 use crate::knobs::{CommandKnobs, GroundKnobs, Knobs};
 use crate::scenes::field::Field;
+use crate::sensors::camera::CameraConfig;
 use crate::world::{Record, World};
 
 /// Index of the head's pan among the joints.
@@ -44,7 +46,6 @@ pub struct AiboWorld {
     effects: Effects,
     nominal: Knobs,
     known: Known,
-    frame_rate_hz: f64,
 
     command_stages: Vec<CommandStage>,
     joint_stages: Vec<JointStage>,
@@ -56,8 +57,8 @@ pub struct AiboWorld {
 
     blueprint: Blueprint,
     body: Body,
+    eye: Eye,
     steps: u64,
-    frames: u64,
     fallen: bool,
     watch: Option<Watch>,
 }
@@ -70,7 +71,7 @@ impl AiboWorld {
     pub fn new(
         config: &AiboConfig,
         field: &Field,
-        frame_rate_hz: f64,
+        camera: &CameraConfig,
         effects: &Effects,
         start: Start,
         seed: Seed,
@@ -101,10 +102,10 @@ impl AiboWorld {
                 command: CommandKnobs { scale: [1.0; 3] },
                 ground: GroundKnobs { friction: config.physics.friction },
             },
-            known: known(config, field),
+            eye: Eye::new(camera, &config.head, &blueprint, field, config.physics.time_step_s, seed),
+            known: known(config, camera, field),
             config: config.clone(),
             effects: effects.clone(),
-            frame_rate_hz,
             command_stages: Vec::new(),
             joint_stages: Vec::new(),
             sighting_stages: Vec::new(),
@@ -112,7 +113,6 @@ impl AiboWorld {
             blueprint,
             body,
             steps: 0,
-            frames: 0,
             fallen: false,
             watch: None,
         };
@@ -189,20 +189,20 @@ impl AiboWorld {
         self.body.aim(&aimed_rad);
     }
 
-    /// Takes the frames that are due.
+    /// Follows the head, and takes a frame if one is due.
     fn look(&mut self, record: &mut Record) {
         let t_s = self.now_s();
-        // Times are rounded multiples of the step and of the frame period.
-        if t_s < self.frames as f64 / self.frame_rate_hz - 1e-9 {
+        self.eye.follow(&self.body.world_from_head());
+        if !self.eye.is_due(t_s) {
             return;
         }
-        self.frames += 1;
-        let mut sightings: Vec<Sighting> = Vec::new();
+        let head_pan_rad = self.body.angle_rad(PAN);
+        let mut sightings = self.eye.look(t_s, head_pan_rad);
         for stage in &mut self.sighting_stages {
             stage(t_s, &mut sightings);
         }
         self.heading.look(&sightings);
-        record.seen.frames.push(Frame { t_s, head_pan_rad: self.body.angle_rad(PAN) });
+        record.seen.frames.push(Frame { t_s, head_pan_rad });
         record.seen.sightings.append(&mut sightings);
         record.track.push(self.pose());
         if let Some(watch) = &mut self.watch {
@@ -259,11 +259,11 @@ fn standing(start: &Start, height_m: f64, pitch_rad: f64) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::new(start.x_m, start.y_m, height_m), yaw * pitch)
 }
 
-/// Neck tilt, pan and nod at `t_s` that hold the camera as configured over a torso pitched by `pitch_rad`.
+/// Neck tilt, pan and nod at `t_s` that hold neck and camera as configured over a torso pitched by `pitch_rad`.
 fn head_rad(head: &Head, pitch_rad: f64, t_s: f64) -> [f64; 3] {
     let pan_rad = head.scan_amplitude_rad * sin(TAU * t_s / head.scan_period_s);
     // Tilt and nod are nose down positive, pitches nose up.
-    [head.neck_tilt_rad, pan_rad, pitch_rad - head.neck_tilt_rad - head.camera_pitch_rad]
+    [pitch_rad + head.neck_lean_rad, pan_rad, -head.neck_lean_rad - head.camera_pitch_rad]
 }
 
 fn fill(joints_rad: &mut [f64; JOINTS], legs_rad: [[f64; 3]; 4], head_rad: [f64; 3]) {
@@ -273,10 +273,16 @@ fn fill(joints_rad: &mut [f64; JOINTS], legs_rad: [[f64; 3]; 4], head_rad: [f64;
     }
 }
 
-fn known(config: &AiboConfig, field: &Field) -> Known {
+fn known(config: &AiboConfig, camera: &CameraConfig, field: &Field) -> Known {
     Known {
         robot: "aibo".to_owned(),
         command_rate_hz: Some(1.0 / config.physics.tick_s()),
+        camera: Some(Camera {
+            width_px: camera.width_px,
+            height_px: camera.height_px,
+            focal_px: camera.focal_px,
+            frame_rate_hz: camera.frame_rate_hz,
+        }),
         landmarks: field
             .beacons
             .iter()

@@ -1,0 +1,97 @@
+//! The camera in the moving head: when frames are due, what the shutter sees, what the vision reports.
+
+use std::collections::VecDeque;
+
+use asami_dataset::{Seed, Sighting, Size};
+use nalgebra::{Isometry3, UnitQuaternion};
+
+use super::blueprint::Blueprint;
+use super::config::Head;
+use crate::scenes::field::Field;
+use crate::sensors::camera::{Camera, CameraConfig};
+use crate::sensors::vision::{Neck, Pattern, Vision};
+
+/// Camera, shutter and vision.
+pub struct Eye {
+    camera: Camera,
+    vision: Vision,
+    head_from_camera: Isometry3<f64>,
+    frame_rate_hz: f64,
+    /// The exposure, in engine steps.
+    exposure_steps: f64,
+    /// Poses of the camera at the latest steps, newest first.
+    world_from_camera: VecDeque<Isometry3<f64>>,
+    frames: u64,
+}
+
+impl Eye {
+    /// An eye that has taken no frame yet.
+    #[must_use]
+    pub fn new(
+        camera: &CameraConfig,
+        head: &Head,
+        blueprint: &Blueprint,
+        field: &Field,
+        time_step_s: f64,
+        seed: Seed,
+    ) -> Self {
+        let neck = Neck {
+            axis_ahead_m: blueprint.neck_m[0]
+                + blueprint.neck_length_m * asami_math::elementary::sin(head.neck_lean_rad),
+            camera_ahead_m: blueprint.head_from_camera.translation.x,
+        };
+        Self {
+            camera: Camera::new(camera, field, seed.stream("camera")),
+            vision: Vision::new(camera, neck, field.beacons.iter().map(Pattern::from).collect()),
+            head_from_camera: blueprint.head_from_camera,
+            frame_rate_hz: camera.frame_rate_hz,
+            exposure_steps: camera.exposure_s / time_step_s,
+            world_from_camera: VecDeque::new(),
+            frames: 0,
+        }
+    }
+
+    /// Takes note of where the head is; to be called once an engine step.
+    pub fn follow(&mut self, world_from_head: &Isometry3<f64>) {
+        self.world_from_camera.push_front(world_from_head * self.head_from_camera);
+        self.world_from_camera.truncate(self.exposure_steps.ceil() as usize + 1);
+    }
+
+    /// Whether a frame is due at `t_s`: at the first step not before its time.
+    #[must_use]
+    pub fn is_due(&self, t_s: f64) -> bool {
+        // Both times are rounded multiples.
+        t_s >= self.frames as f64 / self.frame_rate_hz - 1e-9
+    }
+
+    /// Takes the frame that is due.
+    pub fn look(&mut self, t_s: f64, head_pan_rad: f64) -> Vec<Sighting> {
+        self.frames += 1;
+        let Some(close) = self.world_from_camera.front() else { return Vec::new() };
+        let image = self.camera.look(&self.opened(close), close);
+        let glimpses = self.vision.sight(image, head_pan_rad);
+        let sighting = |glimpse: crate::sensors::vision::Glimpse| Sighting {
+            t_s,
+            landmark: glimpse.landmark,
+            size: Size::HeightPx(glimpse.height_px),
+            bearing_rad: glimpse.bearing_rad,
+        };
+        glimpses.into_iter().map(sighting).collect()
+    }
+
+    /// Where the camera was when the shutter opened, between the two steps around that time.
+    fn opened(&self, close: &Isometry3<f64>) -> Isometry3<f64> {
+        let later = self.exposure_steps.floor();
+        let part = self.exposure_steps - later;
+        let pose = |back: usize| self.world_from_camera.get(back).or(self.world_from_camera.back()).unwrap_or(close);
+        let (later, earlier) = (pose(later as usize), pose(later as usize + 1));
+        between(later, earlier, part)
+    }
+}
+
+/// The pose `part` of the way; for rotations small enough that chords are arcs.
+fn between(from: &Isometry3<f64>, to: &Isometry3<f64>, part: f64) -> Isometry3<f64> {
+    let translation = from.translation.vector.lerp(&to.translation.vector, part);
+    let rotation = UnitQuaternion::new_normalize(from.rotation.lerp(&to.rotation, part));
+    Isometry3::from_parts(translation.into(), rotation)
+}
