@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Microseconds per engine step, MuJoCo beside asami's Rapier, on the same walk.
+
+    pip install mujoco numpy
+    python3 benches/peers/mujoco_step.py [--release] [--rounds N]
+
+asami walks its URDF in open loop and prints what it did (`cargo run --example gait_steps`). MuJoCo then
+plays the same servo set-points on the same URDF at the same time step, with the same servo gains, efforts,
+armature, joint damping and friction. Only the engines' own step calls are timed. A walk's figure is the
+median over its control ticks; the two walk by turns, `--rounds` times, and the best walk of each counts.
+The speeds show that both walk.
+"""
+
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+URDF = ROOT / "urdf" / "aibo_ers7.urdf"
+# MuJoCo warns of parts attached under their own names.
+PREFIX = "aibo/"
+
+try:
+    import mujoco
+    import numpy as np
+except ImportError as missing:
+    sys.exit(f"mujoco_step.py compares with MuJoCo, and there is no Python package {missing.name!r}: pip install mujoco numpy")
+
+
+def asami_walk(release):
+    command = ["cargo", "run", "--quiet", "--example", "gait_steps"] + (["--release"] if release else [])
+    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    if done.returncode:
+        sys.exit(f"{' '.join(command)} failed with status {done.returncode}")
+    return json.loads(done.stdout)
+
+
+def mujoco_model(walk):
+    spec = mujoco.MjSpec()
+    spec.option.timestep = walk["time_step_s"]
+    spec.option.gravity = [0.0, 0.0, -walk["gravity_m_per_s2"]]
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    # Robot against ground, never against itself; the ground's priority makes its friction count.
+    spec.worldbody.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=[0, 0, 1],
+        friction=[walk["friction"], 0.005, 0.0001],
+        priority=1,
+        contype=1,
+        conaffinity=2,
+    )
+    robot = mujoco.MjSpec.from_file(str(URDF))
+    # A URDF's root is welded to the world: free it.
+    spec.worldbody.add_frame().attach_body(robot.worldbody.first_body(), PREFIX, "").add_freejoint()
+    for geom in spec.geoms:
+        if geom.type != mujoco.mjtGeom.mjGEOM_PLANE:
+            geom.contype, geom.conaffinity = 2, 0
+    for name, effort, damping in zip(walk["joints"], walk["effort_n_m"], walk["joint_damping_n_m_s_per_rad"]):
+        joint = spec.joint(PREFIX + name)
+        joint.armature = walk["armature_kg_m2"]
+        # A vector of three since MuJoCo 4.
+        joint.damping = np.array([damping, 0.0, 0.0]) if np.ndim(joint.damping) else damping
+        servo = spec.add_actuator(name=name, target=PREFIX + name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        servo.set_to_position(kp=walk["stiffness_n_m_per_rad"], kv=walk["damping_n_m_s_per_rad"])
+        servo.forcerange, servo.forcelimited = [-effort, effort], 1
+    return spec.compile()
+
+
+def mujoco_walk(walk):
+    model = mujoco_model(walk)
+    data = mujoco.MjData(model)
+    data.qpos[:7] = [0.0, 0.0, walk["start_height_m"], *walk["start_quaternion_wxyz"]]
+    for name, angle in zip(walk["joints"], walk["start_angles_rad"]):
+        data.qpos[model.joint(PREFIX + name).qposadr[0]] = angle
+    data.ctrl[:] = walk["start_angles_rad"]
+    mujoco.mj_step(model, data, walk["settle_steps"])
+
+    set_points = np.array(walk["set_points_rad"])
+    steps_per_tick, half = walk["steps_per_tick"], len(set_points) // 2
+    spent_ns = []
+    for tick, aimed in enumerate(set_points):
+        data.ctrl[:] = aimed
+        begun = time.perf_counter_ns()
+        mujoco.mj_step(model, data, steps_per_tick)
+        spent_ns.append(time.perf_counter_ns() - begun)
+        if tick == half - 1:
+            half_way_m = data.qpos[0]
+    speed = (data.qpos[0] - half_way_m) / ((len(set_points) - half) * steps_per_tick * walk["time_step_s"])
+    return {
+        "microseconds_per_step": float(np.median(spent_ns)) * 1e-3 / steps_per_tick,
+        "speed_m_per_s": speed,
+        "upright": data.body(PREFIX + "torso").xmat[8],
+        "mass_kg": model.body_mass.sum(),
+        "degrees_of_freedom": model.nv,
+    }
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--release", action="store_true", help="time asami built with --release, not the dev profile")
+    parser.add_argument("--rounds", type=int, default=3, help="how often each engine is timed (default 3)")
+    arguments = parser.parse_args()
+    asami_walk(arguments.release)  # Builds, and warms the processor up.
+
+    ours, theirs = [], []
+    for _ in range(max(arguments.rounds, 1)):
+        ours.append(asami_walk(arguments.release))
+        theirs.append(mujoco_walk(ours[-1]))
+    rapier = min(ours, key=lambda walk: walk["microseconds_per_step"])
+    peer = min(theirs, key=lambda walk: walk["microseconds_per_step"])
+    if peer["upright"] < 0.8:
+        sys.exit("MuJoCo's robot fell: the two did not do the same work")
+    print(f"{URDF.name}: {peer['degrees_of_freedom']} degrees of freedom, {peer['mass_kg']:.3f} kg, "
+          f"{len(rapier['set_points_rad'])} ticks of {rapier['steps_per_tick']} steps of {1e3 * rapier['time_step_s']:g} ms, "
+          f"best of {len(ours)} rounds")
+    profile = "release" if arguments.release else "dev"
+    rows = [(f"asami, Rapier ({profile})", rapier), (f"MuJoCo {mujoco.__version__}", peer)]
+    for name, walk in rows:
+        print(f"{name:24} {walk['microseconds_per_step']:8.1f} us/step   walks at {1e3 * walk['speed_m_per_s']:6.1f} mm/s")
+    print(f"ratio {rapier['microseconds_per_step'] / peer['microseconds_per_step']:.1f}")
+
+
+if __name__ == "__main__":
+    main()
