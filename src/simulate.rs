@@ -24,7 +24,9 @@ impl Simulation {
             gait_phase: rng.random::<f64>(),
         };
         match self.robot {
-            Robot::Aibo => Ok(Box::new(AiboWorld::new(&self.aibo, &self.field, 20.0, &self.effects, start, seed)?)),
+            Robot::Aibo => {
+                Ok(Box::new(AiboWorld::new(&self.aibo, &self.field, &self.camera, &self.effects, start, seed)?))
+            }
         }
     }
 

@@ -65,6 +65,7 @@ fn recording(wire: &Wire, source: &str, faults: &mut Vec<Fault>) -> Option<Recor
         ("seeds", wire.seeds.is_some()),
         ("first_seed", wire.first_seed.is_some()),
         ("aibo", wire.aibo.is_some()),
+        ("camera", wire.camera.is_some()),
         ("field", wire.field.is_some()),
         ("start", wire.start.is_some()),
         ("drive", wire.drive.is_some()),
@@ -144,6 +145,8 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
     }
     let aibo = wire.aibo.clone().unwrap_or_default();
     aibo.check("aibo", faults);
+    let camera = wire.camera.clone().unwrap_or_default();
+    camera.check("camera", faults);
     let start = wire.start.clone().unwrap_or_default();
     start.check("start", faults);
     let field = wire.field.clone().unwrap_or_default();
@@ -156,6 +159,7 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
         seeds: seeds.map(|n| n as u32)?,
         first_seed: first_seed.max(0) as u64,
         aibo,
+        camera,
         field,
         start,
         drive,

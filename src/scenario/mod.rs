@@ -18,6 +18,7 @@ use asami_sim::drives::pace::Pacing;
 use asami_sim::effects::Effects;
 use asami_sim::robots::aibo::AiboConfig;
 use asami_sim::scenes::field::Field;
+use asami_sim::sensors::camera::CameraConfig;
 use serde::{Deserialize, Serialize};
 
 pub use fault::Bad;
@@ -63,6 +64,8 @@ pub struct Simulation {
     pub first_seed: u64,
     /// The Aibo's own tables.
     pub aibo: AiboConfig,
+    /// The camera in its head.
+    pub camera: CameraConfig,
     /// What stands on the field.
     pub field: Field,
     /// Where the robot stands at first.

@@ -8,6 +8,7 @@ use asami_sim::drives::pace::Pacing;
 use asami_sim::effects::Effects;
 use asami_sim::robots::aibo::AiboConfig;
 use asami_sim::scenes::field::Field;
+use asami_sim::sensors::camera::CameraConfig;
 use serde::Deserialize;
 use toml::de::DeTable;
 
@@ -39,6 +40,8 @@ pub struct Wire {
     pub first_seed: Option<i64>,
     /// The Aibo.
     pub aibo: Option<AiboConfig>,
+    /// The camera.
+    pub camera: Option<CameraConfig>,
     /// The field.
     pub field: Option<Field>,
     /// Where the robot stands at first.
