@@ -53,10 +53,10 @@ impl Walk {
     }
 }
 
-/// Legs, then the head held level and straight ahead.
+/// Legs, then the head held upright, level and straight ahead.
 fn joints_rad(config: &AiboConfig, trot: &Trot, legs_rad: [[f64; 3]; 4]) -> [f64; JOINTS] {
-    let tilt_rad = config.head.neck_tilt_rad;
-    let head_rad = [tilt_rad, 0.0, trot.pitch_rad() - tilt_rad];
+    let lean_rad = config.head.neck_lean_rad;
+    let head_rad = [trot.pitch_rad() + lean_rad, 0.0, -lean_rad];
     let mut joints = [0.0; JOINTS];
     for (joint, angle) in joints.iter_mut().zip(legs_rad.into_iter().flatten().chain(head_rad)) {
         *joint = angle;
