@@ -1,27 +1,29 @@
-//! `sweep SCENARIO`: all trials of a scenario, as the dissertation's table.
+//! `cargo run --bin sweep SCENARIO`: all trials of a scenario, as the dissertation's table.
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use asami::scenario;
 use asami::sweep::progress::Progress;
-use asami::sweep::verb::{self, Asked};
+use asami::sweep::verb::{Asked, carry_out, plan};
 use asami::sweep::{Options, manifest};
+use asami::{scenario, verb};
 use clap::Parser;
 
 /// Runs every trial of a scenario: logs across seeds, learners, starting models.
+///
+/// A stopped sweep goes on where it was. The table goes to stdout, everything else to stderr and DIR.
 #[derive(Parser)]
 #[command(
     version,
-    after_help = "Exit status: 0 done, 1 our bug, 2 bad scenario or missing data, 3 some trial errored."
+    after_help = "Example:\n  sweep scenarios/aibo_1d.toml --seeds 3 -o results/try\n\n\
+                  Exit status: 0 done, 1 our bug, 2 bad scenario or missing data, 3 some trial errored."
 )]
-struct Cli {
-    /// The scenario file.
+struct Arguments {
+    /// The scenario file
     scenario: PathBuf,
     /// Where results go [default: results/<scenario>]
     #[arg(short, long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    output: Option<PathBuf>,
     /// Threads [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
@@ -34,36 +36,15 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    match sweep(cli) {
-        Ok(code) => code,
-        Err(Failure::Users(report)) => {
-            eprintln!("{report:?}");
-            ExitCode::from(2)
-        }
-        Err(Failure::Ours(report)) => {
-            eprintln!("{report:?}");
-            ExitCode::from(1)
-        }
-    }
-}
-
-/// Whose it is to mend.
-enum Failure {
-    Users(miette::Report),
-    Ours(miette::Report),
-}
-
-fn sweep(cli: Cli) -> Result<ExitCode, Failure> {
-    let scenario = scenario::read(&cli.scenario).map_err(|bad| Failure::Users(bad.into()))?;
-    let out = cli.out.unwrap_or_else(|| PathBuf::from("results").join(&scenario.name));
-    let asked = Asked { seeds: cli.seeds, data: cli.data };
-    let plan = verb::plan(scenario, &asked).map_err(|error| Failure::Users(miette::miette!("{error}")))?;
-    let options = Options { out, jobs: cli.jobs.map(usize::from), program: manifest::program() };
-    let outcome = verb::carry_out(&plan, &options, &Progress::default())
-        .map_err(|error| Failure::Ours(miette::miette!("{error}")))?;
-    // A closed pipe is the reader's wish, not a failure.
-    let _ = std::io::stdout().write_all(outcome.text().as_bytes());
-    eprintln!("written to {}", options.out.display());
-    Ok(if outcome.results.has_errors() { ExitCode::from(3) } else { ExitCode::SUCCESS })
+    let arguments = Arguments::parse();
+    verb::main(|| {
+        let scenario = scenario::read(&arguments.scenario)?;
+        let out = arguments.output.unwrap_or_else(|| PathBuf::from("results").join(&scenario.name));
+        let plan = plan(scenario, &Asked { seeds: arguments.seeds, data: arguments.data })?;
+        let options = Options { out, jobs: arguments.jobs.map(usize::from), program: manifest::program() };
+        let outcome = carry_out(&plan, &options, &Progress::default()).map_err(verb::plain)?;
+        verb::print(&outcome.text());
+        eprintln!("written to {}", options.out.display());
+        Ok(if outcome.results.has_errors() { verb::Ending::TrialErred } else { verb::Ending::Done })
+    })
 }

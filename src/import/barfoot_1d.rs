@@ -120,7 +120,9 @@ fn notes(dataset: &Dataset, timing: &Timing) -> Vec<String> {
         format!("found: steps of {:.4} to {:.4} s, {} gaps", timing.steps_s.0, timing.steps_s.1, timing.gaps_s.len()),
         format!("found: {} frames without a range", frames - log.sightings.len()),
     ];
-    notes.extend(timing.gaps_s.iter().take(10).map(|(from_s, to_s)| format!("found: a gap from {from_s:.3} to {to_s:.3} s")));
+    notes.extend(
+        timing.gaps_s.iter().take(10).map(|(from_s, to_s)| format!("found: a gap from {from_s:.3} to {to_s:.3} s")),
+    );
     if let Some(lead_s) = lead_s(log, &truth.track) {
         notes.push(format!("found: the range runs ahead of the motion capture by {lead_s:.3} s; left as it is"));
     }

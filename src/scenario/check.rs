@@ -77,6 +77,12 @@ fn recording(wire: &Wire, source: &str, faults: &mut Vec<Fault>) -> Option<Recor
     if source.trim().is_empty() {
         fault(faults, "source", "source must be the path of a recorded log, not empty");
     }
+    if let Some(format) = &wire.format
+        && !crate::import::catalogue().iter().any(|importer| importer.name == format)
+    {
+        let names: Vec<_> = crate::import::catalogue().iter().map(|importer| format!("`{}`", importer.name)).collect();
+        fault(faults, "format", format!("unknown format `{format}`, expected one of {}", names.join(", ")));
+    }
     let Some(windows) = &wire.windows else {
         fault(faults, "source", "a recorded log must be cut: [windows] is missing");
         return None;
@@ -101,7 +107,7 @@ fn recording(wire: &Wire, source: &str, faults: &mut Vec<Fault>) -> Option<Recor
         faults.extend(out_of_range("windows", &WINDOW_EVERY, every_s));
     }
     let cut = if faults.is_empty() { cut(windows) } else { Vec::new() };
-    Some(Recording { source: source.to_owned(), windows: cut })
+    Some(Recording { source: source.to_owned(), format: wire.format.clone(), windows: cut })
 }
 
 /// The disjoint windows, then the overlapping ones.
@@ -123,8 +129,10 @@ fn cut(windows: &wire::Windows) -> Vec<Window> {
 }
 
 fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simulation> {
-    if wire.windows.is_some() {
-        fault(faults, "windows", "windows belong to recorded scenarios; this one has a robot");
+    for (key, is_there) in [("windows", wire.windows.is_some()), ("format", wire.format.is_some())] {
+        if is_there {
+            fault(faults, key, format!("{key} belongs to recorded scenarios; this one has a robot"));
+        }
     }
     let mut required = |key: &Parameter, value: Option<f64>| {
         match value {

@@ -113,6 +113,8 @@ asami_dataset::parameters! {
 pub struct Recording {
     /// Path of the data, relative to the repository's root.
     pub source: String,
+    /// The importer that reads it; `None` for a data set of ours.
+    pub format: Option<String>,
     /// The pieces that learners are given.
     pub windows: Vec<Window>,
 }

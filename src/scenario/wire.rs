@@ -28,6 +28,8 @@ pub struct Wire {
     pub about: String,
     /// Path of a recorded log.
     pub source: Option<String>,
+    /// Its format, of a log that is no data set of ours: the name of an importer.
+    pub format: Option<String>,
     /// How the recorded log is cut.
     pub windows: Option<Windows>,
     /// Which robot is simulated.

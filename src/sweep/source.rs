@@ -1,9 +1,12 @@
 //! Where a sweep's logs come from.
 
-use asami_dataset::{Dataset, Seed, Survey};
+use std::path::Path;
+
+use asami_dataset::{Dataset, Seed, Survey, Truth, store};
 use asami_sim::robots::aibo::blueprint::URDF;
 
-use crate::scenario::{Scenario, Simulation};
+use crate::import;
+use crate::scenario::{Recording, Scenario, Simulation};
 use crate::trial::Case;
 
 /// Makes or reads the log of each case.
@@ -61,5 +64,63 @@ impl Source for Simulated {
 
     fn survey(&self) -> Option<Survey> {
         Some(self.survey.clone())
+    }
+}
+
+/// Seed of the learners' own draws on a recorded log.
+const RECORDED_SEED: u64 = 1;
+
+/// Windows of a recorded log.
+pub struct Recorded {
+    recording: Recording,
+    whole: Dataset,
+}
+
+impl Recorded {
+    /// Reads the recording at `path`.
+    ///
+    /// # Errors
+    /// A report on what is missing or wrong, or which window lies outside the log.
+    pub fn open(recording: &Recording, path: &Path) -> Result<Self, miette::Report> {
+        let formats = import::catalogue();
+        let importer = recording.format.as_deref().and_then(|name| formats.iter().find(|it| it.name == name));
+        let whole = match importer {
+            Some(importer) => (importer.read)(path).map_err(|error| miette::miette!("{error}"))?.dataset,
+            None => store::read(path).map_err(crate::verb::shown)?,
+        };
+        let (first_s, last_s) = whole.log.span_s().unwrap_or((0.0, 0.0));
+        for window in &recording.windows {
+            // The last row may come one period before the window ends.
+            if window.start_s < first_s - 1.0 || window.span_s().end > last_s + 1.0 {
+                let (start_s, end_s) = (window.span_s().start, window.span_s().end);
+                let shown = path.display();
+                return Err(miette::miette!(
+                    "{shown}: the log lasts from {first_s} to {last_s} s; the window {start_s}..{end_s} s lies outside"
+                ));
+            }
+        }
+        Ok(Self { recording: recording.clone(), whole })
+    }
+}
+
+impl Source for Recorded {
+    fn cases(&self) -> Vec<Case> {
+        self.recording.windows.iter().map(|window| Case { seed: RECORDED_SEED, window: Some(*window) }).collect()
+    }
+
+    fn dataset(&self, case: &Case) -> Result<Dataset, String> {
+        let Some(window) = case.window else { return Err("a recording has windows, not seeds".into()) };
+        let track = self.whole.truth.track.window(&window.span_s());
+        let truth = Truth { track, survey: self.whole.truth.survey.clone() };
+        let provenance = self.whole.provenance.clone();
+        Ok(Dataset { log: self.whole.log.window(window.span_s()), truth, provenance })
+    }
+
+    fn fingerprint(&self) -> String {
+        blake3::hash(format!("{:?}", self.whole).as_bytes()).to_hex().to_string()
+    }
+
+    fn survey(&self) -> Option<Survey> {
+        None
     }
 }

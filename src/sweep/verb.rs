@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use asami_dataset::Survey;
-use asami_dataset::parameters::Fault;
+use miette::Report;
 
-use super::source::{Simulated, Source};
+use super::source::{Recorded, Simulated, Source};
 use super::summary::{Comparison, Summary};
 use super::table::Line;
 use super::{CannotSweep, Options, Plan, Results, Watcher, cases, expect, manifest, rows, summary, table};
@@ -19,25 +19,6 @@ pub struct Asked {
     pub seeds: Option<u32>,
     /// Recorded data elsewhere than the scenario says.
     pub data: Option<PathBuf>,
-}
-
-/// What keeps a scenario from being swept, and is the user's to mend: exit 2.
-#[derive(Debug, thiserror::Error)]
-pub enum CannotPlan {
-    /// The recorded data are not there.
-    #[error("{0}")]
-    NoData(String),
-    /// The command line asks for what a scenario cannot give.
-    #[error("{0}")]
-    Asked(&'static str),
-    /// A row's learner cannot be made; the scenario's check says so earlier.
-    #[error("row {row}: {}", faults.iter().map(|fault| fault.message.as_str()).collect::<Vec<_>>().join("; "))]
-    Learner {
-        /// Which row, from 1.
-        row: usize,
-        /// Why not.
-        faults: Vec<Fault>,
-    },
 }
 
 /// Results with everything that is said about them.
@@ -57,25 +38,35 @@ pub struct Outcome {
 /// Makes a plan out of a checked scenario.
 ///
 /// # Errors
-/// [`CannotPlan`], with a sentence on what to do.
-pub fn plan(mut scenario: Scenario, asked: &Asked) -> Result<Plan, CannotPlan> {
+/// A report on what is the user's to mend: data that are missing, options that do not fit.
+pub fn plan(mut scenario: Scenario, asked: &Asked) -> Result<Plan, Report> {
     match (&mut scenario.origin, asked.seeds) {
         (_, None) => {}
-        (_, Some(0)) => return Err(CannotPlan::Asked("--seeds must be at least 1")),
+        (_, Some(0)) => miette::bail!("--seeds must be at least 1"),
         (Origin::Simulated(simulation), Some(seeds)) => simulation.seeds = seeds,
         (Origin::Recorded(_), Some(_)) => {
-            return Err(CannotPlan::Asked("--seeds is for simulated scenarios; this one is a recording"));
+            miette::bail!("--seeds is for simulated scenarios; {} is a recording", scenario.name);
         }
     }
     let source: Box<dyn Source> = match &scenario.origin {
         Origin::Simulated(simulation) => Box::new(Simulated::new(&scenario, simulation, Survey::default())),
-        Origin::Recorded(_) => return Err(CannotPlan::NoData("no importer yet".into())),
+        Origin::Recorded(recording) => {
+            let path = asked.data.clone().unwrap_or_else(|| manifest::repository().join(&recording.source));
+            if !path.exists() && recording.format.is_none() {
+                miette::bail!(help = "give its folder with --data DIR", "{}: no such data set", path.display());
+            }
+            Box::new(Recorded::open(recording, &path).map_err(|report| match path.exists() {
+                true => report,
+                false => miette::miette!(help = "if it lies elsewhere: --data DIR", "{report}"),
+            })?)
+        }
     };
     let learners = scenario.rows.iter().enumerate().map(|(i, row)| {
-        scenario
-            .learners
-            .configured(&row.learner, &row.with)
-            .map_err(|faults| CannotPlan::Learner { row: i + 1, faults })
+        scenario.learners.configured(&row.learner, &row.with).map_err(|faults| {
+            // The scenario's check has said so already; a plan made by hand may still get here.
+            let said: Vec<_> = faults.into_iter().map(|fault| fault.message).collect();
+            miette::miette!("row {}: {}", i + 1, said.join("; "))
+        })
     });
     let learners = learners.collect::<Result<Vec<_>, _>>()?;
     Ok(Plan { scenario, source, learners })
