@@ -4,7 +4,8 @@
 //! as their section through the axis that faces the camera, so that a beacon of height H at distance
 //! d from a level camera is `focal_px * H / d` tall: 38388.7/d for 200 mm (Stronger 2008, section
 //! 2.5.1). Pixels are covered in part, moving things are blurred over the exposure, and every pixel
-//! is noisy.
+//! is noisy. Rows are exposed one after another, as in the ERS-7's CMOS sensor: a nodding head
+//! stretches and shrinks what it sees.
 
 use asami_dataset::Rng;
 use asami_math::elementary::{cos, ln};
@@ -27,12 +28,22 @@ asami_dataset::parameters! {
         focal_px: f64 = 191.943, "px", 20.0..=5000.0;
         /// Frames a second.
         frame_rate_hz: f64 = 20.0, "Hz", 1.0..=100.0;
-        /// How long the shutter stays open; the frame's time is when it closes.
+        /// How long the shutter of one row stays open.
         exposure_s: f64 = 0.005, "s", 0.0..=0.05;
+        /// From the top row's exposure to the bottom row's; the frame's time is when the bottom row's shutter closes.
+        readout_s: f64 = 0.02, "s", 0.0..=0.05;
         /// Standard deviation of a pixel's noise in each plane, in levels of 255.
         pixel_noise_sd: f64 = 4.0, "1", 0.0..=30.0;
         /// From the camera to the wall of the room, all around.
         wall_distance_m: f64 = 7.0, "m", 1.0..=100.0;
+    }
+}
+
+impl CameraConfig {
+    /// From the opening of the top row's shutter to the closing of the bottom row's.
+    #[must_use]
+    pub fn frame_s(&self) -> f64 {
+        self.exposure_s + self.readout_s
     }
 }
 
@@ -48,6 +59,8 @@ const NEAREST_M: f64 = 0.05;
 pub struct Camera {
     focal_px: f64,
     wall_distance_m: f64,
+    /// Share of a frame's time for which one row is exposed; the rest passes between top and bottom row.
+    exposed: f64,
     cylinders: Vec<Cylinder>,
     rng: Rng,
     noise: Vec<i16>,
@@ -79,6 +92,8 @@ impl Camera {
         Self {
             focal_px: config.focal_px,
             wall_distance_m: config.wall_distance_m,
+            // A frame that takes no time has nothing moving in it.
+            exposed: config.exposure_s / config.frame_s().max(f64::MIN_POSITIVE),
             cylinders: beacons.chain(&field.clutter).cloned().collect(),
             rng,
             noise,
@@ -90,7 +105,8 @@ impl Camera {
         }
     }
 
-    /// The picture taken while the camera moves from where the shutter opens to where it closes.
+    /// The picture taken while the camera moves from where the top row's shutter opens to where the
+    /// bottom row's closes, [`CameraConfig::frame_s`] later.
     pub fn look(&mut self, world_from_open: &Isometry3<f64>, world_from_close: &Isometry3<f64>) -> &Image {
         self.paint_room(world_from_close);
         self.drawn.clear();
@@ -145,13 +161,34 @@ impl Camera {
 
     /// Where a cylinder comes to stand in the image; `None` if it does not.
     fn project(&self, cylinder: &Cylinder, open: &Isometry3<f64>, close: &Isometry3<f64>) -> Option<Drawn> {
-        let (opened, _) = self.parts(cylinder, open)?;
-        let (closed, depth_m) = self.parts(cylinder, close)?;
+        let (before, _) = self.parts(cylinder, open)?;
+        let (after, depth_m) = self.parts(cylinder, close)?;
+        let mut opened = [Quad::default(); PARTS];
+        let mut closed = opened;
+        for part in 0..PARTS {
+            for corner in 0..4 {
+                let (before, after) = (before[part][corner], after[part][corner]);
+                opened[part][corner] = self.exposed_at(before, after, 0.0);
+                closed[part][corner] = self.exposed_at(before, after, self.exposed);
+            }
+        }
         let corners = opened.iter().chain(&closed).flatten().copied();
         let window = Window::around(corners, self.image.width_px(), self.image.height_px())?;
         let [upper, lower] = cylinder.bands.map(paint);
         let parts = std::array::from_fn(|i| [opened[i], closed[i]]);
         Some(Drawn { depth_m, window, parts, paints: [upper, lower, paint(Colour::White)] })
+    }
+
+    /// Where a point that moves evenly through the image during the frame is, `after` its row's shutter opened;
+    /// times in shares of the frame's time.
+    fn exposed_at(&self, start: [f64; 2], end: [f64; 2], after: f64) -> [f64; 2] {
+        let per_row = (1.0 - self.exposed) / self.image.height_px() as f64;
+        let [across, down] = [end[0] - start[0], end[1] - start[1]];
+        // v = start + down * s meets its row's time s = per_row * v + after. A point as fast as the readout is never
+        // caught, or always; at half that speed the picture is beyond use.
+        let outrun = (1.0 - per_row * down).max(0.5);
+        let s = (per_row * start[1] + after) / outrun;
+        [start[0] + across * s, start[1] + down * s]
     }
 
     /// The parts of a cylinder in pixels, seen from one pose, and the depth of its middle.

@@ -17,10 +17,12 @@ pub struct Eye {
     vision: Vision,
     head_from_camera: Isometry3<f64>,
     frame_rate_hz: f64,
-    /// The exposure, in engine steps.
-    exposure_steps: f64,
+    /// From the first row's exposure to the last one's, in engine steps.
+    frame_steps: f64,
     /// Poses of the camera at the latest steps, newest first.
     world_from_camera: VecDeque<Isometry3<f64>>,
+    /// The head's pan at the same steps.
+    pan_rad: VecDeque<f64>,
     frames: u64,
 }
 
@@ -45,16 +47,20 @@ impl Eye {
             vision: Vision::new(camera, neck, field.beacons.iter().map(Pattern::from).collect()),
             head_from_camera: blueprint.head_from_camera,
             frame_rate_hz: camera.frame_rate_hz,
-            exposure_steps: camera.exposure_s / time_step_s,
+            frame_steps: camera.frame_s() / time_step_s,
             world_from_camera: VecDeque::new(),
+            pan_rad: VecDeque::new(),
             frames: 0,
         }
     }
 
-    /// Takes note of where the head is; to be called once an engine step.
-    pub fn follow(&mut self, world_from_head: &Isometry3<f64>) {
+    /// Takes note of where the head is and how far it is panned; to be called once an engine step.
+    pub fn follow(&mut self, world_from_head: &Isometry3<f64>, pan_rad: f64) {
+        let kept = self.frame_steps.ceil() as usize + 1;
         self.world_from_camera.push_front(world_from_head * self.head_from_camera);
-        self.world_from_camera.truncate(self.exposure_steps.ceil() as usize + 1);
+        self.world_from_camera.truncate(kept);
+        self.pan_rad.push_front(pan_rad);
+        self.pan_rad.truncate(kept);
     }
 
     /// Whether a frame is due at `t_s`: at the first step not before its time.
@@ -64,9 +70,17 @@ impl Eye {
         t_s >= self.frames as f64 / self.frame_rate_hz - 1e-9
     }
 
+    /// The head's pan when the image's middle rows were exposed, as the robot pairs it with the frame.
+    #[must_use]
+    pub fn head_pan_rad(&self) -> f64 {
+        let middle = (0.5 * self.frame_steps).round() as usize;
+        self.pan_rad.get(middle).or(self.pan_rad.back()).copied().unwrap_or_default()
+    }
+
     /// Takes the frame that is due.
-    pub fn look(&mut self, t_s: f64, head_pan_rad: f64) -> Vec<Sighting> {
+    pub fn look(&mut self, t_s: f64) -> Vec<Sighting> {
         self.frames += 1;
+        let head_pan_rad = self.head_pan_rad();
         let Some(close) = self.world_from_camera.front() else { return Vec::new() };
         let image = self.camera.look(&self.opened(close), close);
         let glimpses = self.vision.sight(image, head_pan_rad);
@@ -79,10 +93,10 @@ impl Eye {
         glimpses.into_iter().map(sighting).collect()
     }
 
-    /// Where the camera was when the shutter opened, between the two steps around that time.
+    /// Where the camera was when the first row's shutter opened, between the two steps around that time.
     fn opened(&self, close: &Isometry3<f64>) -> Isometry3<f64> {
-        let later = self.exposure_steps.floor();
-        let part = self.exposure_steps - later;
+        let later = self.frame_steps.floor();
+        let part = self.frame_steps - later;
         let pose = |back: usize| self.world_from_camera.get(back).or(self.world_from_camera.back()).unwrap_or(close);
         let (later, earlier) = (pose(later as usize), pose(later as usize + 1));
         between(later, earlier, part)

@@ -192,12 +192,12 @@ impl AiboWorld {
     /// Follows the head, and takes a frame if one is due.
     fn look(&mut self, record: &mut Record) {
         let t_s = self.now_s();
-        self.eye.follow(&self.body.world_from_head());
+        self.eye.follow(&self.body.world_from_head(), self.body.angle_rad(PAN));
         if !self.eye.is_due(t_s) {
             return;
         }
-        let head_pan_rad = self.body.angle_rad(PAN);
-        let mut sightings = self.eye.look(t_s, head_pan_rad);
+        let head_pan_rad = self.eye.head_pan_rad();
+        let mut sightings = self.eye.look(t_s);
         for stage in &mut self.sighting_stages {
             stage(t_s, &mut sightings);
         }
