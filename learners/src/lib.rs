@@ -6,6 +6,7 @@
 pub mod algorithm1;
 pub mod canonical;
 pub mod learner;
+pub mod likelihood;
 pub mod line;
 
 use std::collections::BTreeMap;
@@ -87,4 +88,5 @@ fn override_one<T: Parameters>(learner: &mut T, path: &str, name: &str, value: f
 learners! {
     algorithm1 => Algorithm1,
     canonical => Canonical,
+    likelihood => Likelihood,
 }

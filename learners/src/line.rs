@@ -18,6 +18,8 @@ pub struct Line {
     /// The observations from the first command on, in order of time.
     pub rows: Vec<Row>,
     pieces: Vec<Piece>,
+    /// Times and values of all commands.
+    commands: Vec<(f64, f64)>,
 }
 
 /// What an observation is.
@@ -84,7 +86,7 @@ impl TryFrom<&Log> for Line {
         if rows.is_empty() {
             return Err(CannotLearn::NoSightings);
         }
-        Ok(Line { unit, start_s, rows, pieces })
+        Ok(Line { unit, start_s, rows, pieces, commands })
     }
 }
 
@@ -157,7 +159,35 @@ impl Line {
         sums
     }
 
-    /// The same from the start up to each observation.
+    /// For every observation in turn: [`powers`](Line::powers) as if commands took effect `delay_s` late,
+    /// `degree + 1` numbers each; and the commands then in force.
+    #[must_use]
+    pub fn delayed_powers(&self, degree: usize, scale: f64, delay_s: f64) -> (Vec<f64>, Vec<f64>) {
+        let width = degree + 1;
+        let (mut sums, mut in_force) = (vec![0.0; self.rows.len() * width], Vec::with_capacity(self.rows.len()));
+        let (mut held, mut now_s) = (0, self.start_s - delay_s);
+        for (row, sums) in self.rows.iter().zip(sums.chunks_mut(width)) {
+            let until_s = row.t_s - delay_s;
+            loop {
+                let next_s = self.commands.get(held + 1).map_or(f64::INFINITY, |next| next.0);
+                let end_s = if next_s < until_s { next_s } else { until_s };
+                let (u, mut power) = (self.commands[held].1 / scale, end_s - now_s);
+                for sum in sums.iter_mut() {
+                    *sum += power;
+                    power *= u;
+                }
+                now_s = end_s;
+                if next_s > until_s {
+                    break;
+                }
+                held += 1;
+            }
+            in_force.push(self.commands[held].1);
+        }
+        (sums, in_force)
+    }
+
+    /// The same without delay, from the start up to each observation.
     #[must_use]
     pub fn cumulated_powers(&self, degree: usize, scale: f64) -> Vec<Vec<f64>> {
         let mut sums = vec![0.0; degree + 1];

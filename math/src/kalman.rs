@@ -107,27 +107,64 @@ impl<const N: usize> Gaussian<N> {
     }
 }
 
-/// Shorthands for a scalar state and scalar observations.
+/// The same for a random walk with known drift and scalar observations, without matrices.
 pub mod scalar {
-    use super::{Gaussian, Motion, Observation};
-    use nalgebra::{Matrix1, Vector1};
-
-    /// A scalar Gaussian.
-    #[must_use]
-    pub fn gaussian(mean: f64, variance: f64) -> Gaussian<1> {
-        Gaussian { mean: Vector1::new(mean), covariance: Matrix1::new(variance) }
+    /// Mean and variance of a scalar state.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct State {
+        /// Mean.
+        pub mean: f64,
+        /// Variance.
+        pub variance: f64,
     }
 
-    /// A random walk with known drift.
-    #[must_use]
-    pub fn walk(drift: f64, variance: f64) -> Motion<1> {
-        Motion { f: Matrix1::new(1.0), drift: Vector1::new(drift), q: Matrix1::new(variance) }
+    /// What an observation said about the prediction.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Innovation {
+        /// Observation less its prediction.
+        pub value: f64,
+        /// Its variance.
+        pub variance: f64,
     }
 
-    /// `y = h x + noise`.
-    #[must_use]
-    pub fn observation(h: f64, y: f64, variance: f64) -> Observation<1, 1> {
-        Observation { h: Matrix1::new(h), y: Vector1::new(y), r: Matrix1::new(variance) }
+    impl State {
+        /// The state after a walk of known `drift` and unknown part of some `variance`.
+        #[must_use]
+        pub fn predict(self, drift: f64, variance: f64) -> Self {
+            Self { mean: self.mean + drift, variance: self.variance + variance }
+        }
+
+        /// The state given an observation `y = h x + noise`, and the innovation; `None` where the
+        /// innovation's variance is not positive.
+        #[must_use]
+        pub fn update(self, h: f64, y: f64, variance: f64) -> Option<(Self, Innovation)> {
+            let innovation = Innovation { value: y - h * self.mean, variance: h * h * self.variance + variance };
+            if innovation.variance <= 0.0 || innovation.variance.is_nan() {
+                return None;
+            }
+            let gain = h * self.variance / innovation.variance;
+            let left = 1.0 - gain * h;
+            let state = Self {
+                mean: self.mean + gain * innovation.value,
+                variance: left * left * self.variance + gain * gain * variance,
+            };
+            Some((state, innovation))
+        }
+
+        /// One step of the smoother, backwards: the state given all data, from the filtered state, the
+        /// walk after it, and the `next` state given all data.
+        #[must_use]
+        pub fn smooth(self, drift: f64, variance: f64, next: Self) -> Self {
+            let predicted = self.predict(drift, variance);
+            if predicted.variance <= 0.0 {
+                return Self { mean: next.mean - drift, ..self };
+            }
+            let gain = self.variance / predicted.variance;
+            Self {
+                mean: self.mean + gain * (next.mean - predicted.mean),
+                variance: self.variance + gain * gain * (next.variance - predicted.variance),
+            }
+        }
     }
 }
 
@@ -231,21 +268,45 @@ mod tests {
     }
 
     #[test]
+    fn scalars_are_matrices_of_one_entry() {
+        let one = |x: f64| SMatrix::<f64, 1, 1>::new(x);
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut state = scalar::State { mean: 0.3, variance: 2.0 };
+        let mut matrix = Gaussian { mean: one(0.3), covariance: one(2.0) };
+        for _ in 0..50 {
+            let (drift, q, h, y) =
+                (rng.random::<f64>(), rng.random::<f64>(), rng.random::<f64>() - 0.5, rng.random::<f64>());
+            let motion = Motion { f: one(1.0), drift: one(drift), q: one(q) };
+            let (before, matrix_before) = (state, matrix);
+            let (next, innovation) = state.predict(drift, q).update(h, y, 0.2).unwrap();
+            let update = matrix.predict(&motion).update(&Observation { h: one(h), y: one(y), r: one(0.2) }).unwrap();
+            assert!((innovation.value.powi(2) / innovation.variance - update.nis).abs() < 1e-12);
+            assert!((innovation.variance.ln() - update.log_det).abs() < 1e-12);
+            (state, matrix) = (next, update.state);
+            assert!((state.mean - matrix.mean[0]).abs() < 1e-12);
+            assert!((state.variance - matrix.covariance[0]).abs() < 1e-12);
+            let (back, expected) = (before.smooth(drift, q, state), matrix_before.smooth(&motion, &matrix).unwrap().0);
+            assert!((back.mean - expected.mean[0]).abs() < 1e-12);
+            assert!((back.variance - expected.covariance[0]).abs() < 1e-12);
+        }
+    }
+
+    #[test]
     fn a_scalar_walk_settles_at_the_riccati_root() {
         let (q, r) = (0.04, 0.9);
-        let mut state = scalar::gaussian(0.0, 100.0);
+        let mut state = scalar::State { mean: 0.0, variance: 100.0 };
         for _ in 0..500 {
-            state = state.predict(&scalar::walk(0.0, q)).update(&scalar::observation(1.0, 0.0, r)).unwrap().state;
+            state = state.predict(0.0, q).update(1.0, 0.0, r).unwrap().0;
         }
         // Predicted variance p solves p^2 - q p - q r = 0.
         let p = 0.5 * (q + f64::sqrt(q * q + 4.0 * q * r));
-        assert!((state.covariance[0] + q - p).abs() < 1e-12);
+        assert!((state.variance + q - p).abs() < 1e-12);
     }
 
     #[test]
     fn an_impossible_observation_is_refused() {
-        let state = scalar::gaussian(0.0, 1.0);
-        assert!(state.update(&scalar::observation(1.0, 0.0, -2.0)).is_none());
-        assert!(state.update(&scalar::observation(f64::NAN, 0.0, 1.0)).is_none());
+        let state = scalar::State { mean: 0.0, variance: 1.0 };
+        assert!(state.update(1.0, 0.0, -2.0).is_none());
+        assert!(state.update(f64::NAN, 0.0, 1.0).is_none());
     }
 }

@@ -11,3 +11,4 @@ pub mod optimise;
 pub mod polynomial;
 pub mod regression;
 pub mod statistics;
+pub mod tridiagonal;

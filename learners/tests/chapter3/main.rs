@@ -3,4 +3,5 @@
 mod algorithm1;
 mod canonical;
 mod conformance;
+mod likelihood;
 mod synthetic;

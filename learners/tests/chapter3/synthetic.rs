@@ -19,13 +19,25 @@ pub struct Pacer {
     pub sigma_px: f64,
     /// Random walk of the place, metres per square root of a second.
     pub walk_m: f64,
+    /// How late commands take effect.
+    pub delay_s: f64,
+    /// Share of sightings that are off by up to 15 px.
+    pub outliers: f64,
     /// Speed at which the gait saturates; infinite: the robot does as it is told.
     pub saturates_m_per_s: f64,
 }
 
 impl Default for Pacer {
     fn default() -> Self {
-        Self { duration_s: 150.0, rate_hz: 20.0, sigma_px: 0.5, walk_m: 0.02, saturates_m_per_s: 0.2 }
+        Self {
+            duration_s: 150.0,
+            rate_hz: 20.0,
+            sigma_px: 0.5,
+            walk_m: 0.02,
+            delay_s: 0.0,
+            outliers: 0.0,
+            saturates_m_per_s: 0.2,
+        }
     }
 }
 
@@ -46,25 +58,29 @@ impl Pacer {
     /// The log of one seed.
     pub fn log(&self, seed: u64) -> Log {
         let (mut policy, mut noise) = (Seed(seed).stream("policy"), Seed(seed).stream("noise"));
+        let mut errors = Seed(seed).stream("outliers");
         let mut normal = || -> f64 { StandardNormal.sample(&mut noise) };
         let dt = 1.0 / self.rate_hz;
-        let (mut d, mut forward, mut c, mut since) = (3.0, true, 0.0, f64::NEG_INFINITY);
+        let (mut d, mut forward, mut since) = (3.0, true, f64::NEG_INFINITY);
         let (mut commands, mut sightings) = (Vec::new(), Vec::new());
         for i in 0..(self.duration_s * self.rate_hz) as usize {
             let t_s = i as f64 * dt;
-            let o = Self::height(d) + self.sigma_px * normal();
+            let wrong = if errors.random::<f64>() < self.outliers { 30.0 * errors.random::<f64>() - 15.0 } else { 0.0 };
+            let o = Self::height(d) + self.sigma_px * normal() + wrong;
             sightings.push(Sighting { t_s, landmark: 0, size: Size::HeightPx(o), bearing_rad: 0.0 });
             let turn = if forward { o > Self::height(1.3) } else { o < Self::height(3.5) };
             forward ^= turn;
             if turn || t_s - since > 3.0 - 1e-9 {
                 since = t_s;
-                c = 0.3 * policy.random::<f64>() * if forward { 1.0 } else { -1.0 };
+                let c = 0.3 * policy.random::<f64>() * if forward { 1.0 } else { -1.0 };
                 commands.push(Command {
                     t_s,
                     action: Action::Legs { id: None, ax_m_per_s: 0.0, ay_m_per_s: c, atheta_rad_per_s: 0.0 },
                 });
             }
-            d -= self.speed(c) * dt + self.walk_m * dt.sqrt() * normal();
+            let acting = commands.iter().rev().find(|row: &&Command| row.t_s + self.delay_s <= t_s + 1e-9);
+            let acting = acting.and_then(|row| row.action.forward_m_per_s()).unwrap_or(0.0);
+            d -= self.speed(acting) * dt + self.walk_m * dt.sqrt() * normal();
         }
         Log { commands: commands.into(), sightings: sightings.into(), ..Log::default() }
     }
