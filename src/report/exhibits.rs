@@ -8,7 +8,7 @@ use asami_sim::world::{Record, World};
 use super::{Plate, one_at_a_time};
 use crate::draw::walk::{Part, Pose, Strip, contacts};
 use crate::draw::{Figure, Picture};
-use crate::scenario::{Origin, Scenario, Simulation};
+use crate::scenario::Simulation;
 
 /// Where the walk begins, in front of the first beacon.
 const FROM_M: f64 = 3.5;
@@ -25,7 +25,7 @@ const STEADY_S: f64 = 4.0;
 /// Poses of a strip.
 const POSES: usize = 9;
 
-/// Figures of a scenario's robot; empty for recorded logs.
+/// Figures of a scenario's robot; empty where it is not simulated.
 #[derive(Clone, Debug, Default)]
 pub struct Exhibits {
     /// The walk: poses, contacts, what the camera sees.
@@ -34,12 +34,11 @@ pub struct Exhibits {
     pub single: Vec<Figure>,
 }
 
-/// Simulates what is shown of `scenario`.
+/// Simulates what is shown of a scenario's robot.
 ///
 /// # Errors
 /// If the robot cannot be built.
-pub fn exhibits(scenario: &Scenario) -> Result<Exhibits, BuildError> {
-    let Origin::Simulated(simulation) = &scenario.origin else { return Ok(Exhibits::default()) };
+pub fn of(simulation: &Simulation) -> Result<Exhibits, BuildError> {
     let seed = Seed(simulation.first_seed);
     let (approach, pacing) = rayon::join(|| approach(simulation, seed), || pacing(simulation, seed));
     let (approach, pacing) = (approach?, pacing?);

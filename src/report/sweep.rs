@@ -4,7 +4,7 @@ use std::path::Path;
 
 use asami_dataset::{Models, SensorModel, store};
 
-use super::exhibits::{Exhibits, exhibits};
+use super::exhibits::Exhibits;
 use super::{Cell, Plate, Report, RowKind, Section, Table};
 use crate::draw::Figure;
 use crate::draw::chapter3::{self, Learning};
@@ -21,11 +21,9 @@ use crate::trial::{Ending, Trial};
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn write(outcome: &Outcome, program: &str, out: &Path) -> Result<(), CannotSweep> {
+pub fn write(outcome: &Outcome, exhibits: &Exhibits, program: &str, out: &Path) -> Result<(), CannotSweep> {
     let manifest = manifest::manifest(&outcome.results, program);
-    // The results stand by themselves: a robot that cannot be built for the page has failed every trial already.
-    let exhibits = exhibits(&outcome.results.scenario).unwrap_or_default();
-    let (report, figures) = report(outcome, &manifest, &exhibits);
+    let (report, figures) = report(outcome, &manifest, exhibits);
     write_whole(&out.join("report.html"), report.html().as_bytes())?;
     let folder = out.join("figures");
     std::fs::create_dir_all(&folder).map_err(CannotSweep::file("make", &folder))?;

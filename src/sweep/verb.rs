@@ -81,7 +81,7 @@ pub fn carry_out(plan: &Plan, options: &Options, watcher: &dyn Watcher) -> Resul
     let results = super::run(plan, options, watcher)?;
     let outcome = Outcome::of(results);
     outcome.write(&options.out, &options.program)?;
-    report::sweep::write(&outcome, &options.program, &options.out)?;
+    report::sweep::write(&outcome, &plan.source.exhibits(), &options.program, &options.out)?;
     Ok(outcome)
 }
 
