@@ -2,9 +2,13 @@
 //! trials, tables, figures, reports.
 
 pub mod draw;
+pub mod generate;
 pub mod import;
+pub mod learn;
+pub mod list;
 pub mod report;
 pub mod scenario;
+pub mod score;
 pub mod scorer;
 pub mod simulate;
 pub mod splice;

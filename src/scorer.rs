@@ -128,6 +128,31 @@ impl Yardstick {
         scores
     }
 
+    /// The rules of divergence that `models` with `scores` break, the same for every learner: a model's
+    /// R^2 below `r2_min`, a model that has no score though there is truth about it, scales of opposite
+    /// sense.
+    #[must_use]
+    pub fn faults(&self, models: &Models, scores: &Scores, r2_min: f64) -> Vec<String> {
+        let parts = [
+            ("sensor", models.sensor.is_some() && !self.sensor.is_empty(), scores.sensor_r2),
+            ("action", models.action.is_some() && !self.action.is_empty(), scores.action_r2),
+        ];
+        let mut faults = Vec::new();
+        for (name, is_measured, r2) in parts {
+            match r2 {
+                Some(r2) if r2 < r2_min => faults.push(format!("{name} R^2 {r2:.3} < {r2_min}")),
+                None if is_measured => faults.push(format!("{name} model is not finite or does not vary")),
+                _ => {}
+            }
+        }
+        if scores.are_opposed() {
+            let opposed = "one model takes for towards the beacon what the other takes for away from it \
+                           (scales of opposite sign)";
+            faults.push(opposed.to_owned());
+        }
+        faults
+    }
+
     fn score_sensor(&self, distance_of: &Polynomial, scores: &mut Scores) {
         let points: Vec<[f64; 2]> = self.sensor.iter().map(|[o, d]| [distance_of.at(*o), *d]).collect();
         let Some(fit) = least_squares(2, points.iter().map(|[s, d]| (vec![1.0, *s], *d))).solve() else { return };

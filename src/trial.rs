@@ -199,24 +199,7 @@ fn faults(learned: &Learned, scores: &Scores, yardstick: &Yardstick, divergence:
     if let asami_learners::Verdict::Diverged { rule } = learned.verdict {
         faults.push(rule.to_owned());
     }
-    let models = [
-        ("sensor", learned.models.sensor.is_some() && !yardstick.sensor.is_empty(), scores.sensor_r2),
-        ("action", learned.models.action.is_some() && !yardstick.action.is_empty(), scores.action_r2),
-    ];
-    for (name, is_measured, r2) in models {
-        let least = divergence.r2_min;
-        match r2 {
-            Some(r2) if r2 < least => faults.push(format!("{name} R^2 {r2:.3} < {least}")),
-            None if is_measured => faults.push(format!("{name} model is not finite or does not vary")),
-            _ => {}
-        }
-    }
-    if scores.are_opposed() {
-        faults.push(
-            "one model takes for towards the beacon what the other takes for away from it (scales of opposite sign)"
-                .into(),
-        );
-    }
+    faults.extend(yardstick.faults(&learned.models, scores, divergence.r2_min));
     faults
 }
 

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
 
+use asami_dataset::Log;
 use asami_dataset::store::{Place, ReadError};
 use miette::{LabeledSpan, NamedSource, Report};
 
@@ -41,6 +42,39 @@ pub fn print(text: &str) {
 /// An error in a report of one sentence.
 pub fn plain(error: impl std::error::Error + Send + Sync + 'static) -> Report {
     Report::msg(error.to_string())
+}
+
+/// `PARAM=VALUE` on a command line.
+///
+/// # Errors
+/// What it must be.
+pub fn assignment(text: &str) -> Result<(String, f64), String> {
+    let pair =
+        text.split_once('=').and_then(|(name, value)| Some((name.trim().to_owned(), value.trim().parse().ok()?)));
+    pair.filter(|(_, value): &(String, f64)| value.is_finite()).ok_or_else(|| "must be NAME=NUMBER".to_owned())
+}
+
+/// The part of a log that a verb looks at.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct Window {
+    /// Only the log from this time on
+    #[arg(long, value_name = "S")]
+    from_s: Option<f64>,
+    /// Only so much of the log
+    #[arg(long, value_name = "S")]
+    duration_s: Option<f64>,
+}
+
+impl Window {
+    /// That part of `log`.
+    #[must_use]
+    pub fn of(&self, log: &Log) -> Log {
+        let (None, None) = (self.from_s, self.duration_s) else {
+            let from_s = self.from_s.or(log.span_s().map(|(first_s, _)| first_s)).unwrap_or(0.0);
+            return log.window(from_s..self.duration_s.map_or(f64::INFINITY, |duration_s| from_s + duration_s));
+        };
+        log.clone()
+    }
 }
 
 /// Files longer than this are named, not shown.

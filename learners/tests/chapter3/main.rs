@@ -4,5 +4,4 @@ mod algorithm1;
 mod canonical;
 mod conformance;
 mod likelihood;
-mod one_model;
 mod synthetic;

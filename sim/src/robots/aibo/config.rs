@@ -1,6 +1,6 @@
 //! Every number of the robot that a scenario may set.
 
-use asami_dataset::parameters::{Fault, Parameters};
+use asami_dataset::parameters::{Fault, Parameter, Parameters};
 use serde::{Deserialize, Serialize};
 
 asami_dataset::parameters! {
@@ -136,6 +136,19 @@ pub struct AiboConfig {
 }
 
 impl AiboConfig {
+    /// The tables' parameters, for the catalogue.
+    #[must_use]
+    pub fn tables() -> [(&'static str, &'static [Parameter]); 6] {
+        [
+            ("physics", Physics::table()),
+            ("gait", Gait::table()),
+            ("servo", Servo::table()),
+            ("head", Head::table()),
+            ("disturbance", Disturbance::table()),
+            ("heading_hold", HeadingHold::table()),
+        ]
+    }
+
     /// Adds a fault for every value out of range; `path` is the table's own place in the file.
     pub fn check(&self, path: &str, faults: &mut Vec<Fault>) {
         let tables: [(&str, &dyn Parameters); 6] = [

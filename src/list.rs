@@ -1,0 +1,140 @@
+//! The catalogue: everything that has a name, with parameters, units, ranges and sources.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use asami_dataset::parameters::{Parameter, Parameters};
+use asami_sim::drives::pace::Pacing;
+use asami_sim::robots::aibo::config::AiboConfig;
+use asami_sim::sensors::camera::CameraConfig;
+
+use crate::import;
+use crate::scenario::{self, Origin, Robot};
+
+/// A kind of thing that can be listed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Kind {
+    /// What a nominal world leaves out
+    Effects,
+    /// Algorithms
+    Learners,
+    /// Scenario files
+    Scenarios,
+    /// Robots
+    Robots,
+    /// Log formats that `import` reads
+    Importers,
+}
+
+impl Kind {
+    /// All of them, in the order of listing.
+    pub const ALL: [Kind; 5] = [Kind::Effects, Kind::Learners, Kind::Scenarios, Kind::Robots, Kind::Importers];
+
+    /// Its part of the catalogue; scenario files are looked for in the folder `scenarios`.
+    #[must_use]
+    pub fn text(self, scenarios: &Path) -> String {
+        match self {
+            Kind::Effects => effects(),
+            Kind::Learners => learners(),
+            Kind::Scenarios => scenario_files(scenarios),
+            Kind::Robots => robots(),
+            Kind::Importers => importers(),
+        }
+    }
+}
+
+fn effects() -> String {
+    let mut text = String::from(
+        "EFFECTS, off at their defaults ([effects.NAME] in a scenario, generate --effect NAME.PARAM=VALUE)\n",
+    );
+    for about in asami_sim::effects::catalogue() {
+        let place = format!("{}, shows in {}", words(about.place), words(about.block));
+        let fits = about.fits.join(", ");
+        entry(&mut text, about.name, about.what, &[("place", &place), ("fits", &fits), ("source", about.source)]);
+        parameters(&mut text, about.parameters);
+    }
+    text
+}
+
+fn learners() -> String {
+    let mut text = String::from("LEARNERS ([learners.NAME] in a scenario, learn --learner NAME --set PARAM=VALUE)\n");
+    for about in asami_learners::catalogue() {
+        let needs = words(about.needs);
+        entry(&mut text, about.name, about.what, &[("given", &needs), ("source", about.source)]);
+        parameters(&mut text, about.parameters);
+    }
+    text
+}
+
+fn scenario_files(folder: &Path) -> String {
+    let mut text = format!("SCENARIOS in {}\n", folder.display());
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut files: Vec<_> = files.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
+    files.sort();
+    for path in files {
+        let path_shown = path.display().to_string();
+        match scenario::read(&path) {
+            Ok(scenario) => {
+                let origin = match &scenario.origin {
+                    Origin::Simulated(s) => format!("{}, {} logs of {} s", s.robot.name(), s.seeds, s.duration_s),
+                    Origin::Recorded(r) => format!("{}, {} windows", r.source, r.windows.len()),
+                };
+                let rows = format!("{} of learner, start and duration", scenario.rows.len());
+                entry(&mut text, &path_shown, &scenario.about, &[("logs", &origin), ("rows", &rows)]);
+            }
+            Err(bad) => entry(&mut text, &path_shown, &format!("cannot be used: {bad}"), &[]),
+        }
+    }
+    text
+}
+
+fn robots() -> String {
+    let mut text = String::from("ROBOTS\n");
+    let what = "Sony's ERS-7, walking in Rapier: multibody joints, servos, a virtual-wheel trot, a camera on its head";
+    entry(&mut text, Robot::Aibo.name(), what, &[]);
+    for (name, table) in AiboConfig::tables() {
+        let _ = writeln!(text, "  [aibo.{name}]");
+        parameters(&mut text, table);
+    }
+    for (name, table) in [("camera", CameraConfig::table()), ("drive", Pacing::table())] {
+        let _ = writeln!(text, "  [{name}]");
+        parameters(&mut text, table);
+    }
+    text
+}
+
+fn importers() -> String {
+    let mut text = String::from("IMPORTERS (import NAME SOURCE -o DIR)\n");
+    for importer in import::catalogue() {
+        entry(&mut text, importer.name, importer.what, &[("source", importer.source)]);
+    }
+    text
+}
+
+/// `StaticMotion` as "static motion".
+fn words(variant: impl std::fmt::Debug) -> String {
+    let mut words = String::new();
+    for c in format!("{variant:?}").chars() {
+        if c.is_ascii_uppercase() && !words.is_empty() {
+            words.push(' ');
+        }
+        words.push(c.to_ascii_lowercase());
+    }
+    words
+}
+
+fn entry(text: &mut String, name: &str, what: &str, facts: &[(&str, &str)]) {
+    let _ = writeln!(text, "\n{name}\n  {what}");
+    for (key, value) in facts {
+        let _ = writeln!(text, "  {key}: {value}");
+    }
+}
+
+fn parameters(text: &mut String, parameters: &[Parameter]) {
+    for parameter in parameters {
+        let (least, greatest) = parameter.range;
+        let unit = if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) };
+        let values = format!("{} ({least} to {greatest}){unit}", parameter.default);
+        let _ = writeln!(text, "    {:<26} {values:<34} {}", parameter.name, parameter.about.trim());
+    }
+}
