@@ -55,6 +55,8 @@ asami_dataset::parameters! {
         hind_offset_m: f64 = -0.0203, "m", -0.08..=0.08;
         /// Feet at rest, outward of their hips.
         outward_offset_m: f64 = 0.0029, "m", -0.01..=0.05;
+        /// How a lifted foot moves forward: 0 at even speed, 1 starting and ending at rest.
+        swing_easing: f64 = 1.0, "1", 0.0..=1.0;
         /// Time constant with which the attempted velocity follows the command.
         command_lag_s: f64 = 0.12, "s", 0.0..=2.0;
         /// Attempted speed from which strides are lifted fully; below, the lift shrinks with it.

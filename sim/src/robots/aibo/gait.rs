@@ -38,15 +38,14 @@ impl Trot {
         self.pitch_rad
     }
 
-    /// Moves on by one control period under `command` and gives the legs' joint angles.
-    pub fn step(&mut self, tick_s: f64, command: Attempt) -> [[f64; 3]; 4] {
+    /// Moves on by one control period under `command`.
+    pub fn step(&mut self, tick_s: f64, command: Attempt) {
         let lag_s = self.gait.command_lag_s;
         let follow = if lag_s > 0.0 { 1.0 - exp(-tick_s / lag_s) } else { 1.0 };
         for (attempt, command) in self.attempt.iter_mut().zip(command) {
             *attempt += follow * (command - *attempt);
         }
         self.phase = (self.phase + tick_s / self.gait.period_s).fract();
-        self.angles_rad()
     }
 
     /// The legs' joint angles as they stand.
@@ -89,8 +88,10 @@ impl Trot {
         if phase < duty {
             return (0.5 - phase / duty, 0.0);
         }
-        let (sin, cos) = sin_cos(PI * (phase - duty) / (1.0 - duty));
-        (-0.5 * cos, sin)
+        let swung = (phase - duty) / (1.0 - duty);
+        let (sin, cos) = sin_cos(PI * swung);
+        let easing = self.gait.swing_easing;
+        (-0.5 * cos * easing + (swung - 0.5) * (1.0 - easing), sin)
     }
 
     /// From 0 standing to 1 walking: strides shrink to nothing with the command.

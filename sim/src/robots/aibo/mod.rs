@@ -13,12 +13,14 @@ pub mod gait;
 pub mod grip;
 pub mod heading;
 pub mod leg;
+pub mod posture;
 pub mod servo;
 pub mod watch;
 pub mod world;
 
 pub use config::AiboConfig;
-pub use world::{AiboWorld, Start};
+pub use posture::Start;
+pub use world::AiboWorld;
 
 /// Why an Aibo could not be built.
 #[derive(Debug, thiserror::Error)]

@@ -1,20 +1,19 @@
 //! The Aibo on a field: the loop from command to motors, and from poses to frames.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
-
 use asami_dataset::{Action, Beacon, Camera, Frame, Known, Seed, TruePose};
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, sin};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use asami_math::elementary::atan2;
+use nalgebra::Vector3;
 
 use super::BuildError;
 use super::blueprint::{Blueprint, JOINTS};
 use super::body::Body;
-use super::config::{AiboConfig, Head};
+use super::config::AiboConfig;
 use super::eye::Eye;
 use super::gait::{Attempt, Trot};
 use super::grip::Grip;
 use super::heading::Heading;
+use super::posture::{Start, joints_rad};
 use super::servo::SetPoints;
 use super::watch::{Contacts, Watch, outline};
 use crate::effect::{CommandStage, JointStage, SightingStage, Stage};
@@ -26,19 +25,6 @@ use crate::world::{Record, World};
 
 /// Index of the head's pan among the joints.
 const PAN: usize = 13;
-
-/// Where and how the robot stands when the log begins.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Start {
-    /// World x of the body's centre.
-    pub x_m: f64,
-    /// World y of the body's centre.
-    pub y_m: f64,
-    /// Heading.
-    pub theta_rad: f64,
-    /// Where in its stride the gait begins, `[0, 1)`.
-    pub gait_phase: f64,
-}
 
 /// The Aibo in its world.
 pub struct AiboWorld {
@@ -78,10 +64,8 @@ impl AiboWorld {
     ) -> Result<Self, BuildError> {
         let blueprint = Blueprint::shipped()?;
         let trot = Trot::new(config.gait.clone(), blueprint.legs.clone(), start.gait_phase);
-        let mut angles_rad = [0.0; JOINTS];
-        fill(&mut angles_rad, trot.angles_rad(), head_rad(&config.head, trot.pitch_rad(), 0.0));
-        let height_m = blueprint.foot_radius_m + 0.5 * (config.gait.fore_height_m + config.gait.hind_height_m);
-        let world_from_torso = standing(&start, height_m, trot.pitch_rad());
+        let angles_rad = joints_rad(&config.head, &trot, 0.0);
+        let world_from_torso = start.world_from_torso(&config.gait, &blueprint, trot.pitch_rad());
         let mut body = Body::new(config, &blueprint, &world_from_torso, &angles_rad)?;
         for _ in 0..(config.physics.settle_s / config.physics.time_step_s).round() as u64 {
             body.step();
@@ -178,9 +162,8 @@ impl AiboWorld {
 
     /// Moves the servos towards what the gait wants.
     fn drive(&mut self, t_s: f64, attempt: Attempt) {
-        let legs = self.trot.step(self.config.physics.tick_s(), attempt);
-        let mut wanted_rad = [0.0; JOINTS];
-        fill(&mut wanted_rad, legs, head_rad(&self.config.head, self.trot.pitch_rad(), t_s));
+        self.trot.step(self.config.physics.tick_s(), attempt);
+        let wanted_rad = joints_rad(&self.config.head, &self.trot, t_s);
         let mut aimed_rad = [0.0; JOINTS];
         aimed_rad.copy_from_slice(self.set_points.approach(&wanted_rad));
         for stage in &mut self.joint_stages {
@@ -248,28 +231,6 @@ impl World for AiboWorld {
                 down: self.body.feet_down(),
             });
         }
-    }
-}
-
-/// The torso (x forward) of a robot standing at `start`.
-fn standing(start: &Start, height_m: f64, pitch_rad: f64) -> Isometry3<f64> {
-    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), start.theta_rad + FRAC_PI_2);
-    // About the left axis, nose down is positive.
-    let pitch = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -pitch_rad);
-    Isometry3::from_parts(Translation3::new(start.x_m, start.y_m, height_m), yaw * pitch)
-}
-
-/// Neck tilt, pan and nod at `t_s` that hold neck and camera as configured over a torso pitched by `pitch_rad`.
-fn head_rad(head: &Head, pitch_rad: f64, t_s: f64) -> [f64; 3] {
-    let pan_rad = head.scan_amplitude_rad * sin(TAU * t_s / head.scan_period_s);
-    // Tilt and nod are nose down positive, pitches nose up.
-    [pitch_rad + head.neck_lean_rad, pan_rad, -head.neck_lean_rad - head.camera_pitch_rad]
-}
-
-fn fill(joints_rad: &mut [f64; JOINTS], legs_rad: [[f64; 3]; 4], head_rad: [f64; 3]) {
-    let angles = legs_rad.into_iter().chain([head_rad]).flatten();
-    for (joint, angle) in joints_rad.iter_mut().zip(angles) {
-        *joint = angle;
     }
 }
 
