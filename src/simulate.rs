@@ -24,10 +24,16 @@ impl Simulation {
             gait_phase: rng.random::<f64>(),
         };
         match self.robot {
-            Robot::Aibo => {
-                Ok(Box::new(AiboWorld::new(&self.aibo, &self.field, &self.camera, &self.effects, start, seed)?))
-            }
+            Robot::Aibo => Ok(Box::new(self.aibo_at(start, seed)?)),
         }
+    }
+
+    /// The scenario's Aibo, put where the caller wants it.
+    ///
+    /// # Errors
+    /// If the robot cannot be built.
+    pub fn aibo_at(&self, start: Start, seed: Seed) -> Result<AiboWorld, BuildError> {
+        AiboWorld::new(&self.aibo, &self.field, &self.camera, &self.effects, start, seed)
     }
 
     /// The log of a case, and where the robot was.

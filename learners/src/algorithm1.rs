@@ -6,7 +6,7 @@ use asami_math::polynomial::{Polynomial, powers};
 use asami_math::regression::Regression;
 
 use crate::learner::{CannotLearn, Learned, Learner, Step, Trace, Verdict, learner};
-use crate::line::Line;
+use crate::line::{Line, given_action};
 
 learner! {
     /// Stronger 2008, Algorithm 1: starts from a rough action model and bootstraps.
@@ -38,8 +38,7 @@ impl Learner for Algorithm1 {
 
     fn learn(&self, log: &Log, given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
         let line = Line::try_from(log)?;
-        let start = given.action.as_ref().filter(|start| start.forward_at(0.0).is_some());
-        let start = start.ok_or(CannotLearn::NotGiven("a starting action model of forward speed"))?;
+        let start = given_action(given)?;
         let (sensor_degree, action_degree) = (self.sensor_degree as usize, self.action_degree as usize);
         line.require(sensor_degree + action_degree + 3)?;
 

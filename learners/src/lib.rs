@@ -3,11 +3,15 @@
 //!
 //! The list at the end of this file is the table of contents: one file and one row per learner.
 
+pub mod action_from_sensor;
 pub mod algorithm1;
 pub mod canonical;
+pub mod degree_selection;
 pub mod learner;
 pub mod likelihood;
 pub mod line;
+pub mod sensor_constant_action;
+pub mod sensor_from_action;
 
 use std::collections::BTreeMap;
 
@@ -86,6 +90,10 @@ fn override_one<T: Parameters>(learner: &mut T, path: &str, name: &str, value: f
 }
 
 learners! {
+    sensor_constant_action => SensorConstantAction,
+    sensor_from_action => SensorFromAction,
+    action_from_sensor => ActionFromSensor,
+    degree_selection => DegreeSelection,
     algorithm1 => Algorithm1,
     canonical => Canonical,
     likelihood => Likelihood,

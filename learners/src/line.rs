@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use asami_dataset::{Log, Size};
+use asami_dataset::{ActionModel, Log, Models, Size};
 
 use crate::learner::{CannotLearn, Lack};
 
@@ -201,6 +201,26 @@ impl Line {
             .collect()
     }
 
+    /// `w_a`: the place at each observation by an action model, 0 at the start.
+    #[must_use]
+    pub fn places(&self, action: &ActionModel) -> Vec<f64> {
+        let mut place = 0.0;
+        (0..self.rows.len())
+            .map(|i| {
+                for piece in self.pieces(i) {
+                    place += action.forward_at(piece.c_m_per_s).unwrap_or(0.0) * piece.dt_s;
+                }
+                place
+            })
+            .collect()
+    }
+
+    /// Times and values as the points of a trace.
+    #[must_use]
+    pub fn trace(&self, values: &[f64]) -> Vec<[f64; 2]> {
+        self.rows.iter().zip(values).map(|(row, value)| [row.t_s, *value]).collect()
+    }
+
     /// Greatest commanded speed either way while something was observed; 1 if there was no motion.
     #[must_use]
     pub fn command_scale(&self) -> f64 {
@@ -265,4 +285,13 @@ impl Line {
         let found = self.rows.len();
         if found < needed { Err(CannotLearn::TooShort { found, needed }) } else { Ok(()) }
     }
+}
+
+/// The action model of forward speed in `given`.
+///
+/// # Errors
+/// [`CannotLearn::NotGiven`].
+pub fn given_action(given: &Models) -> Result<&ActionModel, CannotLearn> {
+    let action = given.action.as_ref().filter(|action| action.forward_at(0.0).is_some());
+    action.ok_or(CannotLearn::NotGiven("an action model of forward speed"))
 }

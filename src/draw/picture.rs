@@ -46,6 +46,12 @@ impl Picture {
         self
     }
 
+    /// Width as shown, in CSS pixels.
+    #[must_use]
+    pub fn shown_width_px(&self) -> u32 {
+        self.width_px * self.magnified
+    }
+
     /// The file that other programs open.
     #[must_use]
     pub fn png(&self) -> Vec<u8> {
@@ -55,7 +61,7 @@ impl Picture {
     /// The picture as an element of an HTML page.
     #[must_use]
     pub fn inline_svg(&self) -> String {
-        let (width, height) = (self.width_px * self.magnified, self.height_px * self.magnified);
+        let (width, height) = (self.shown_width_px(), self.height_px * self.magnified);
         let mut out = svg::open(width, height + 26, &format!("{}: {}", self.name, self.title));
         let title = svg::escape(&self.title);
         out.push_str(&format!(

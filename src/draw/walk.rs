@@ -42,10 +42,12 @@ pub struct Strip {
     pub poses: Vec<Pose>,
 }
 
-const WIDTH_PX: f64 = 1120.0;
 const TOP_PX: f64 = 28.0;
 
 impl Strip {
+    /// Width in CSS pixels.
+    pub const WIDTH_PX: u32 = 1120;
+
     /// The strip as an element of an HTML page. Each pose is centred on itself; the ground is at height 0.
     #[must_use]
     pub fn inline_svg(&self) -> String {
@@ -58,16 +60,17 @@ impl Strip {
             .map(|corner| corner[1])
             .filter(|up| drawable(*up))
             .fold(0.05, keep_greater);
-        let cell = WIDTH_PX / self.poses.len().max(1) as f64;
+        let width_px = f64::from(Self::WIDTH_PX);
+        let cell = width_px / self.poses.len().max(1) as f64;
         let px_per_m = (cell * 0.86 / widest).min(300.0 / highest);
         let ground = TOP_PX + highest * px_per_m + 6.0;
         let height = (ground + 26.0).ceil();
-        let mut out = svg::open(WIDTH_PX as u32, height as u32, &format!("{}: {}", self.name, self.title));
+        let mut out = svg::open(Self::WIDTH_PX, height as u32, &format!("{}: {}", self.name, self.title));
         let title = svg::escape(&self.title);
         let _ = write!(out, "<text class=\"ink\" x=\"0\" y=\"17\" font-weight=\"600\" fill=\"{INK}\">{title}</text>");
         let _ = write!(
             out,
-            "<path class=\"grid\" d=\"M0 {0}H{WIDTH_PX}\" stroke=\"{GRID}\" stroke-width=\"2\"/>",
+            "<path class=\"grid\" d=\"M0 {0}H{width_px}\" stroke=\"{GRID}\" stroke-width=\"2\"/>",
             px(ground)
         );
         for (index, pose) in self.poses.iter().enumerate() {

@@ -25,9 +25,7 @@ pub(super) fn page(report: &Report) -> String {
     contents(&report.sections, &mut out);
     let mut plates = 0;
     for (index, section) in report.sections.iter().enumerate() {
-        let _ = writeln!(out, "<section id=\"s{}\">\n<h2>{}</h2>", index + 1, escape(&section.title));
-        section.blocks.iter().for_each(|block| block_into(block, &mut plates, &mut out));
-        out.push_str("</section>\n");
+        section_into(section, index + 1, &mut plates, &mut out);
     }
     footer(report, &mut out);
     let _ = write!(
@@ -46,6 +44,14 @@ fn contents(sections: &[Section], out: &mut String) {
         let _ = write!(out, "<a href=\"#s{}\">{}</a>", index + 1, escape(&section.title));
     }
     out.push_str("</nav>\n");
+}
+
+fn section_into(section: &Section, number: usize, plates: &mut usize, out: &mut String) {
+    let title = escape(&section.title);
+    let (open, close) = if section.folded { ("<details><summary>", "</summary>") } else { ("", "") };
+    let _ = writeln!(out, "<section id=\"s{number}\">\n{open}<h2>{title}</h2>{close}");
+    section.blocks.iter().for_each(|block| block_into(block, plates, out));
+    out.push_str(if section.folded { "</details></section>\n" } else { "</section>\n" });
 }
 
 fn block_into(block: &Block, plates: &mut usize, out: &mut String) {

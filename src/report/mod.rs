@@ -1,7 +1,10 @@
 //! One HTML file that says what was asked, what came out and how it was made: style, script, figures
 //! and data are all inside, so that it opens offline and can be mailed, archived or printed.
 
+pub mod exhibits;
 mod html;
+pub mod one_at_a_time;
+pub mod sweep;
 pub mod table;
 
 use std::io;
@@ -28,27 +31,36 @@ pub struct Plate {
     name: String,
     caption: String,
     inline_svg: String,
+    width_px: u32,
     data: Option<serde_json::Value>,
+}
+
+impl Plate {
+    /// Whether it takes a row of the page for itself.
+    #[must_use]
+    pub fn is_wide(&self) -> bool {
+        self.width_px > 700
+    }
 }
 
 impl From<&Figure> for Plate {
     fn from(figure: &Figure) -> Self {
         let (name, caption) = (figure.name.clone(), figure.caption.clone());
-        Self { name, caption, inline_svg: figure.inline_svg(), data: Some(figure.data()) }
+        Self { name, caption, inline_svg: figure.inline_svg(), width_px: figure.size.0, data: Some(figure.data()) }
     }
 }
 
 impl From<&Picture> for Plate {
     fn from(picture: &Picture) -> Self {
         let (name, caption) = (picture.name.clone(), picture.caption.clone());
-        Self { name, caption, inline_svg: picture.inline_svg(), data: None }
+        Self { name, caption, inline_svg: picture.inline_svg(), width_px: picture.shown_width_px(), data: None }
     }
 }
 
 impl From<&Strip> for Plate {
     fn from(strip: &Strip) -> Self {
         let (name, caption) = (strip.name.clone(), strip.caption.clone());
-        Self { name, caption, inline_svg: strip.inline_svg(), data: None }
+        Self { name, caption, inline_svg: strip.inline_svg(), width_px: Strip::WIDTH_PX, data: None }
     }
 }
 
@@ -65,13 +77,21 @@ enum Block {
 pub struct Section {
     title: String,
     blocks: Vec<Block>,
+    folded: bool,
 }
 
 impl Section {
     /// A section with nothing in it.
     #[must_use]
     pub fn new(title: &str) -> Self {
-        Self { title: title.to_owned(), blocks: Vec::new() }
+        Self { title: title.to_owned(), blocks: Vec::new(), folded: false }
+    }
+
+    /// Shows only the heading until a reader opens it: for long tables.
+    #[must_use]
+    pub fn folded(mut self) -> Self {
+        self.folded = true;
+        self
     }
 
     /// Adds a paragraph of plain text; between `backquotes` it is set as code.
@@ -105,7 +125,10 @@ impl Section {
     /// Adds several beside each other, as far as the page is wide.
     #[must_use]
     pub fn figures(mut self, plates: impl IntoIterator<Item = Plate>) -> Self {
-        self.blocks.push(Block::Plates(plates.into_iter().collect()));
+        let plates: Vec<Plate> = plates.into_iter().collect();
+        if !plates.is_empty() {
+            self.blocks.push(Block::Plates(plates));
+        }
         self
     }
 }

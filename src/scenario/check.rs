@@ -272,12 +272,7 @@ fn learner(path: &str, row: &wire::Row, learners: &Learners, faults: &mut Vec<Fa
 /// An expectation must be about rows that there are.
 fn expectation(i: usize, expect: &Expect, rows: &[Row], faults: &mut Vec<Fault>) {
     let path = format!("expect.{i}");
-    let about = rows.iter().filter(|row| expect.is_about(row)).count();
-    if about != 1 {
-        let learner = &expect.learner;
-        let message = format!("an expectation must be about one row; {about} rows fit learner {learner:?}");
-        fault(faults, &format!("{path}.learner"), message);
-    }
+    about_one_row(&path, expect, rows, faults);
     let shares =
         [("converged_share_min", expect.converged_share_min), ("converged_share_max", expect.converged_share_max)];
     for (name, share) in shares {
@@ -297,6 +292,33 @@ fn expectation(i: usize, expect: &Expect, rows: &[Row], faults: &mut Vec<Fault>)
     {
         fault(faults, &format!("{path}.beats"), format!("no row is called {beaten:?}"));
     }
+}
+
+/// By learner, then by start, then by duration: the first that no row fits is at fault.
+fn about_one_row(path: &str, expect: &Expect, rows: &[Row], faults: &mut Vec<Fault>) {
+    let name = |start: Option<Start>| start.map_or("no start", Start::name);
+    let called: Vec<&Row> = rows.iter().filter(|row| row.label == expect.learner).collect();
+    let started: Vec<&Row> = called.iter().copied().filter(|row| row.start == expect.start).collect();
+    let lasting = started.iter().filter(|row| expect.is_about(row)).count();
+    let (key, message) = if called.is_empty() {
+        let names: BTreeSet<String> = rows.iter().map(|row| format!("`{}`", row.label)).collect();
+        let names = names.into_iter().collect::<Vec<_>>().join(", ");
+        ("learner", format!("unknown row `{}`, expected one of {names}", expect.learner))
+    } else if started.is_empty() {
+        let starts: Vec<_> = called.iter().map(|row| name(row.start)).collect();
+        let (start, starts) = (name(expect.start), starts.join(", "));
+        let key = if expect.start.is_some() { "start" } else { "learner" };
+        (key, format!("start must be that of a row called {} ({starts}), not {start}", expect.learner))
+    } else if lasting != 1 {
+        let durations: Vec<_> = started.iter().map(|row| row.duration_s.to_string()).collect();
+        let durations = durations.join(", ");
+        let found = expect.duration_s.map_or_else(|| "left out".to_owned(), |duration_s| duration_s.to_string());
+        let key = if expect.duration_s.is_some() { "duration_s" } else { "learner" };
+        (key, format!("duration_s must be that of one such row ({durations} s), not {found}"))
+    } else {
+        return;
+    };
+    fault(faults, &format!("{path}.{key}"), message);
 }
 
 impl Expect {

@@ -6,6 +6,7 @@ use asami_dataset::{Dataset, Seed, Survey, Truth, store};
 use asami_sim::robots::aibo::blueprint::URDF;
 
 use crate::import;
+use crate::report::exhibits::{self, Exhibits};
 use crate::scenario::{Recording, Scenario, Simulation};
 use crate::trial::Case;
 
@@ -25,6 +26,11 @@ pub trait Source: Sync {
 
     /// Truth about the models, where all cases share it.
     fn survey(&self) -> Option<Survey>;
+
+    /// What a report shows of the robot beside its logs; by default nothing.
+    fn exhibits(&self) -> Exhibits {
+        Exhibits::default()
+    }
 }
 
 /// Logs out of a simulated world.
@@ -64,6 +70,11 @@ impl Source for Simulated {
 
     fn survey(&self) -> Option<Survey> {
         Some(self.survey.clone())
+    }
+
+    fn exhibits(&self) -> Exhibits {
+        // A robot that cannot be built has failed every trial already: the page says so without pictures.
+        exhibits::of(&self.simulation).unwrap_or_default()
     }
 }
 

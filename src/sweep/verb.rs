@@ -9,6 +9,7 @@ use super::source::{Recorded, Simulated, Source};
 use super::summary::{Comparison, Summary};
 use super::table::Line;
 use super::{CannotSweep, Options, Plan, Results, Watcher, cases, expect, manifest, rows, summary, table};
+use crate::report;
 use crate::scenario::{Origin, Scenario, Start};
 use crate::trial::Ending;
 
@@ -80,6 +81,7 @@ pub fn carry_out(plan: &Plan, options: &Options, watcher: &dyn Watcher) -> Resul
     let results = super::run(plan, options, watcher)?;
     let outcome = Outcome::of(results);
     outcome.write(&options.out, &options.program)?;
+    report::sweep::write(&outcome, &plan.source.exhibits(), &options.program, &options.out)?;
     Ok(outcome)
 }
 

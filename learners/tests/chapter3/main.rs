@@ -4,4 +4,5 @@ mod algorithm1;
 mod canonical;
 mod conformance;
 mod likelihood;
+mod one_model;
 mod synthetic;

@@ -99,12 +99,16 @@ pub struct Score {
 
 /// Scores against the 13 distances and 31 commands of section 3.3.2.
 pub fn score(pacer: &Pacer, models: &Models) -> Score {
-    let sensor = curve_of_sensor(models);
-    let distances: Vec<f64> = (0..13).map(|i| 1.2 + 0.2 * f64::from(i)).collect();
-    let places = distances.iter().map(|d| (vec![1.0, sensor.polynomial.at(Pacer::height(*d))], *d));
-    let (b, sensor_mm) = fitted(2, places.collect());
+    let (b, sensor_mm) = sensor_error(models);
     let (k, action_mm_per_s) = action_error(pacer, models);
     Score { sensor_mm, action_mm_per_s, k, b }
+}
+
+/// The scale of the sensor model alone, and its error in mm.
+pub fn sensor_error(models: &Models) -> (f64, f64) {
+    let sensor = curve_of_sensor(models);
+    let distances = (0..13).map(|i| 1.2 + 0.2 * f64::from(i));
+    fitted(2, distances.map(|d| (vec![1.0, sensor.polynomial.at(Pacer::height(d))], d)).collect())
 }
 
 /// The scale of the action model alone, and its error in mm/s.

@@ -121,6 +121,12 @@ impl Camera {
         &self.image
     }
 
+    /// The latest picture; black before the first.
+    #[must_use]
+    pub fn image(&self) -> &Image {
+        &self.image
+    }
+
     /// Carpet below, wall above. The wall's foot follows the horizon of each column.
     fn paint_room(&mut self, world_from_camera: &Isometry3<f64>) {
         let (width_px, height_px) = (self.image.width_px(), self.image.height_px());

@@ -9,6 +9,7 @@ use super::blueprint::Blueprint;
 use super::config::Head;
 use crate::scenes::field::Field;
 use crate::sensors::camera::{Camera, CameraConfig};
+use crate::sensors::image::Image;
 use crate::sensors::vision::{Neck, Pattern, Vision};
 
 /// Camera, shutter and vision.
@@ -91,6 +92,12 @@ impl Eye {
             bearing_rad: glimpse.bearing_rad,
         };
         glimpses.into_iter().map(sighting).collect()
+    }
+
+    /// The latest frame; black before the first.
+    #[must_use]
+    pub fn image(&self) -> &Image {
+        self.camera.image()
     }
 
     /// Where the camera was when the first row's shutter opened, between the two steps around that time.

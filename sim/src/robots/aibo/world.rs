@@ -21,6 +21,7 @@ use crate::effects::Effects;
 use crate::knobs::{CommandKnobs, GroundKnobs, Knobs};
 use crate::scenes::field::Field;
 use crate::sensors::camera::CameraConfig;
+use crate::sensors::image::Image;
 use crate::world::{Record, World};
 
 /// Index of the head's pan among the joints.
@@ -120,6 +121,12 @@ impl AiboWorld {
     #[must_use]
     pub fn watched(&self) -> Option<&Watch> {
         self.watch.as_ref()
+    }
+
+    /// The latest camera frame; black before the first. To be looked at: learners get sightings only.
+    #[must_use]
+    pub fn image(&self) -> &Image {
+        self.eye.image()
     }
 
     /// Whether the torso has ever tilted by more than 60 degrees.
