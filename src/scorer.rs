@@ -74,11 +74,15 @@ impl Yardstick {
     #[must_use]
     pub fn of(log: &Log, truth: &Truth) -> Self {
         let surveyed = truth.survey.as_ref().map(Self::surveyed).unwrap_or_default();
-        let tracked = Self::tracked(log, &truth.track);
-        Self {
-            sensor: if surveyed.sensor.is_empty() { tracked.sensor } else { surveyed.sensor },
-            action: if surveyed.action.is_empty() { tracked.action } else { surveyed.action },
-        }
+        let sensor = match surveyed.sensor.is_empty() {
+            true => track::distances(log, &truth.track),
+            false => surveyed.sensor,
+        };
+        let action = match surveyed.action.is_empty() {
+            true => track::stretches(log, &truth.track),
+            false => surveyed.action,
+        };
+        Self { sensor, action }
     }
 
     /// Truth out of where the robot was. Every sighting counts, with the true distance from the

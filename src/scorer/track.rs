@@ -58,7 +58,8 @@ fn shares(commands: &Channel<Command>, from_s: f64, to_s: f64) -> Option<Vec<[f6
 
 /// Way made good forward between two times.
 fn forward_m(track: &[TruePose], from_s: f64, to_s: f64) -> Option<f64> {
-    let between = track.iter().filter(|pose| from_s < pose.t_s && pose.t_s < to_s).copied();
+    let first = track.partition_point(|pose| pose.t_s <= from_s);
+    let between = track[first..].iter().take_while(|pose| pose.t_s < to_s).copied();
     let path: Vec<TruePose> =
         [pose_at(track, from_s)?].into_iter().chain(between).chain([pose_at(track, to_s)?]).collect();
     let step = |pair: &[TruePose]| {
