@@ -78,7 +78,8 @@ fn claims(
     if let Some(beaten) = &expect.beats {
         for it in comparisons.iter().filter(|it| it.row == index) {
             let against = &results.scenario.rows[it.against];
-            if against.label != *beaten {
+            // So few pairs that the test could not tell whatever they were: of a sweep with fewer seeds.
+            if against.label != *beaten || 2.0 * 0.5_f64.powi(it.pairs as i32) >= 0.05 {
                 continue;
             }
             let holds = it.median_difference < 0.0 && it.p < 0.05;

@@ -112,9 +112,14 @@ pub fn comparisons(results: &Results) -> Vec<Comparison> {
     let mut found = Vec::new();
     for (i, row) in rows.iter().enumerate().filter(|(_, row)| row.start.is_none()) {
         for (j, other) in rows.iter().enumerate() {
-            if other.label == "algorithm1" && other.duration_s == row.duration_s {
-                found.extend(compare(results, i, j, "sensor_rmse", |scores| scores.sensor_rmse_m));
-                found.extend(compare(results, i, j, "action_rmse", |scores| scores.action_rmse_m_per_s));
+            if other.label != "algorithm1" || other.duration_s != row.duration_s {
+                continue;
+            }
+            let sensor = compare(results, i, j, "sensor_rmse", |scores| scores.sensor_rmse_m);
+            let action = compare(results, i, j, "action_rmse", |scores| scores.action_rmse_m_per_s);
+            // A learner of one model alone has been told the other, or does less.
+            if let (Some(sensor), Some(action)) = (sensor, action) {
+                found.extend([sensor, action]);
             }
         }
     }
