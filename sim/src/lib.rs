@@ -8,4 +8,5 @@ pub mod knobs;
 pub mod robots;
 pub mod scenes;
 pub mod sensors;
+pub mod survey;
 pub mod world;
