@@ -12,6 +12,7 @@ pub mod score;
 pub mod scorer;
 pub mod simulate;
 pub mod splice;
+pub mod survey;
 pub mod sweep;
 pub mod trial;
 pub mod verb;

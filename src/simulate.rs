@@ -23,6 +23,21 @@ impl Simulation {
             theta_rad: self.start.theta_rad,
             gait_phase: rng.random::<f64>(),
         };
+        self.world_from(start, seed)
+    }
+
+    /// The world with the robot facing the field's first beacon (the origin, where there is none) from
+    /// `distance_m`; the seed draws where in its stride it is.
+    ///
+    /// # Errors
+    /// If the robot cannot be built.
+    pub fn before_beacon(&self, distance_m: f64, seed: Seed) -> Result<Box<dyn World>, BuildError> {
+        let [x_m, y_m] = self.field.beacons.first().map_or([0.0; 2], |beacon| [beacon.body.x_m, beacon.body.y_m]);
+        let gait_phase = seed.stream("start").random::<f64>();
+        self.world_from(Start { x_m, y_m: y_m - distance_m, theta_rad: 0.0, gait_phase }, seed)
+    }
+
+    fn world_from(&self, start: Start, seed: Seed) -> Result<Box<dyn World>, BuildError> {
         match self.robot {
             Robot::Aibo => Ok(Box::new(self.aibo_at(start, seed)?)),
         }

@@ -40,8 +40,10 @@ fn main() -> ExitCode {
     verb::main(|| {
         let scenario = scenario::read(&arguments.scenario)?;
         let out = arguments.output.unwrap_or_else(|| PathBuf::from("results").join(&scenario.name));
-        let plan = plan(scenario, &Asked { seeds: arguments.seeds, data: arguments.data })?;
-        let options = Options { out, jobs: arguments.jobs.map(usize::from), program: manifest::program() };
+        let jobs = arguments.jobs.map(usize::from);
+        let asked = Asked { seeds: arguments.seeds, data: arguments.data, out: out.clone(), jobs };
+        let plan = plan(scenario, &asked)?;
+        let options = Options { out, jobs, program: manifest::program() };
         let outcome = carry_out(&plan, &options, &Progress::default()).map_err(verb::plain)?;
         verb::print(&outcome.text());
         eprintln!("written to {}", options.out.display());

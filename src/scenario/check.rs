@@ -6,6 +6,7 @@ use asami_dataset::parameters::{Fault, Parameter, Parameters, out_of_range};
 use asami_learners::{Learners, Needs};
 use asami_sim::effects::Effects;
 use asami_sim::scenes::field::Field;
+use asami_sim::survey::Surveying;
 
 use super::wire::{self, Wire};
 use super::{Expect, Origin, Recording, Robot, Row, Scenario, Simulation, Start, Window};
@@ -70,6 +71,7 @@ fn recording(wire: &Wire, source: &str, faults: &mut Vec<Fault>) -> Option<Recor
         ("start", wire.start.is_some()),
         ("drive", wire.drive.is_some()),
         ("effects", wire.effects.is_some()),
+        ("survey", wire.survey.is_some()),
     ];
     for (key, _) in simulated.into_iter().filter(|(_, is_there)| *is_there) {
         fault(faults, key, format!("{key} belongs to simulated scenarios; this one has source = \"{source}\""));
@@ -161,6 +163,8 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
     field_rules(&field, faults);
     let effects = wire.effects.clone().unwrap_or_default();
     effects_fit(&effects, robot, faults);
+    let survey = wire.survey.clone().unwrap_or_default();
+    survey_rules(&survey, faults);
     Some(Simulation {
         robot,
         duration_s: duration_s?,
@@ -172,7 +176,21 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
         start,
         drive,
         effects,
+        survey,
     })
+}
+
+fn survey_rules(survey: &Surveying, faults: &mut Vec<Fault>) {
+    survey.check("survey", faults);
+    if survey.far_m < survey.near_m {
+        let (near, far) = (survey.near_m, survey.far_m);
+        fault(faults, "survey.far_m", format!("far_m must not be below near_m {near}, not {far}"));
+    }
+    if survey.speed_step_m_per_s > survey.max_speed_m_per_s {
+        let (most, step) = (survey.max_speed_m_per_s, survey.speed_step_m_per_s);
+        let message = format!("speed_step_m_per_s must not exceed max_speed_m_per_s {most}, not {step}");
+        fault(faults, "survey.speed_step_m_per_s", message);
+    }
 }
 
 fn field_rules(field: &Field, faults: &mut Vec<Fault>) {

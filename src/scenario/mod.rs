@@ -19,6 +19,7 @@ use asami_sim::effects::Effects;
 use asami_sim::robots::aibo::AiboConfig;
 use asami_sim::scenes::field::Field;
 use asami_sim::sensors::camera::CameraConfig;
+use asami_sim::survey::Surveying;
 use serde::{Deserialize, Serialize};
 
 pub use fault::Bad;
@@ -74,6 +75,8 @@ pub struct Simulation {
     pub drive: Pacing,
     /// What the nominal world leaves out.
     pub effects: Effects,
+    /// How the truth about the models is measured.
+    pub survey: Surveying,
 }
 
 /// The robots of simulated scenarios.

@@ -9,6 +9,7 @@ use asami_sim::effects::Effects;
 use asami_sim::robots::aibo::AiboConfig;
 use asami_sim::scenes::field::Field;
 use asami_sim::sensors::camera::CameraConfig;
+use asami_sim::survey::Surveying;
 use serde::Deserialize;
 use toml::de::DeTable;
 
@@ -52,6 +53,8 @@ pub struct Wire {
     pub drive: Option<Pacing>,
     /// Effects.
     pub effects: Option<Effects>,
+    /// How the truth is measured.
+    pub survey: Option<Surveying>,
     /// Learners' parameters.
     #[serde(default)]
     pub learners: Learners,

@@ -1,8 +1,8 @@
 //! The verb `sweep`: read, plan, run, write, say.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use asami_dataset::Survey;
 use miette::Report;
 
 use super::source::{Recorded, Simulated, Source};
@@ -11,6 +11,7 @@ use super::table::Line;
 use super::{CannotSweep, Options, Plan, Results, Watcher, cases, expect, manifest, rows, summary, table};
 use crate::report;
 use crate::scenario::{Origin, Scenario, Start};
+use crate::survey::Surveyor;
 use crate::trial::Ending;
 
 /// What was asked on the command line.
@@ -20,6 +21,10 @@ pub struct Asked {
     pub seeds: Option<u32>,
     /// Recorded data elsewhere than the scenario says.
     pub data: Option<PathBuf>,
+    /// Where results go, a new survey among them.
+    pub out: PathBuf,
+    /// Threads; `None`: one for each core.
+    pub jobs: Option<usize>,
 }
 
 /// Results with everything that is said about them.
@@ -50,7 +55,16 @@ pub fn plan(mut scenario: Scenario, asked: &Asked) -> Result<Plan, Report> {
         }
     }
     let source: Box<dyn Source> = match &scenario.origin {
-        Origin::Simulated(simulation) => Box::new(Simulated::new(&scenario, simulation, Survey::default())),
+        Origin::Simulated(simulation) => {
+            let surveyor = Surveyor {
+                look_in: vec![manifest::repository().join("results/reference").join(&scenario.name)],
+                keep_in: asked.out.clone(),
+                jobs: asked.jobs,
+                say: &|line| drop(writeln!(std::io::stderr(), "{line}")),
+            };
+            let survey = surveyor.survey(simulation).map_err(crate::verb::plain)?;
+            Box::new(Simulated::new(&scenario, simulation, survey))
+        }
         Origin::Recorded(recording) => {
             let path = asked.data.clone().unwrap_or_else(|| manifest::repository().join(&recording.source));
             if !path.exists() && recording.format.is_none() {

@@ -36,7 +36,7 @@ impl World for Cart {
             record.seen.frames.push(Frame { t_s, head_pan_rad: 0.0 });
             if self.sees {
                 // Two heights in turn, of known mean and spread.
-                let height_px = if record.seen.frames.len() % 2 == 0 { 29.0 } else { 31.0 };
+                let height_px = if record.seen.frames.len().is_multiple_of(2) { 29.0 } else { 31.0 };
                 let size = Size::HeightPx(height_px);
                 record.seen.sightings.push(Sighting { t_s, landmark: 0, size, bearing_rad: 0.0 });
             }

@@ -1,0 +1,165 @@
+//! The survey of a scenario's world: found where one of this very world was kept, or made.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use asami_dataset::store::{WriteError, read_survey, write_survey};
+use asami_dataset::survey::Height;
+use asami_dataset::{Seed, Survey};
+use asami_sim::drives::hold::Hold;
+use asami_sim::robots::aibo::BuildError;
+use asami_sim::robots::aibo::blueprint::URDF;
+use asami_sim::survey::{self as measure, CannotSurvey as CannotMeasure};
+use asami_sim::world;
+use rayon::prelude::*;
+
+use crate::scenario::Simulation;
+
+/// Why a world cannot be surveyed.
+#[derive(Debug, thiserror::Error)]
+pub enum CannotSurvey {
+    /// The robot cannot be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// A measurement failed.
+    #[error("cannot survey the robot: {0}")]
+    Measure(#[from] CannotMeasure),
+    /// The threads cannot be started.
+    #[error("cannot start the threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// It was made, but cannot be kept.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// It was made, but its key cannot be kept.
+    #[error("cannot write {}: {source}", path.display())]
+    Key {
+        /// Of the key.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+}
+
+/// Where surveys are kept, and who hears of it when one is made.
+pub struct Surveyor<'a> {
+    /// Folders that may hold a survey, looked at in order.
+    pub look_in: Vec<PathBuf>,
+    /// Where a new one is kept.
+    pub keep_in: PathBuf,
+    /// Threads; `None`: one for each core.
+    pub jobs: Option<usize>,
+    /// Hears how it goes on.
+    pub say: &'a (dyn Fn(&str) + Sync),
+}
+
+impl Surveyor<'_> {
+    /// The survey of `simulation`'s world: kept, if its key is this world's, else made and kept.
+    ///
+    /// # Errors
+    /// [`CannotSurvey`] if the robot cannot be built or measured, or the survey not written.
+    pub fn survey(&self, simulation: &Simulation) -> Result<Survey, CannotSurvey> {
+        let key = key(simulation)?;
+        if let Some(survey) = kept(&key, self.look_in.iter().chain([&self.keep_in])) {
+            return Ok(survey);
+        }
+        (self.say)("no survey of this very world is kept: measuring its speeds and heights");
+        let survey = make(simulation, self.jobs, self.say)?;
+        std::fs::create_dir_all(&self.keep_in)
+            .and_then(|()| write_survey_key(&self.keep_in, &key))
+            .map_err(|source| CannotSurvey::Key { path: self.keep_in.join(KEY), source })?;
+        write_survey(&survey, &self.keep_in.join(SURVEY))?;
+        Ok(survey)
+    }
+}
+
+const SURVEY: &str = "survey.toml";
+const KEY: &str = "survey.key";
+
+/// A survey kept under `key` in one of `folders`.
+pub fn kept<'a>(key: &str, folders: impl IntoIterator<Item = &'a PathBuf>) -> Option<Survey> {
+    folders.into_iter().find_map(|folder| {
+        let found = std::fs::read_to_string(folder.join(KEY)).ok()?;
+        // A survey that cannot be read is as good as none: it is made anew.
+        (found.trim() == key).then(|| read_survey(&folder.join(SURVEY)).ok()).flatten()
+    })
+}
+
+/// The key goes first: a survey without its key is never believed, a key whose survey is missing neither.
+fn write_survey_key(folder: &Path, key: &str) -> std::io::Result<()> {
+    let _ = std::fs::remove_file(folder.join(SURVEY));
+    std::fs::write(folder.join(KEY), format!("{key}\n"))
+}
+
+/// Speed of the walk that stands for the world in a survey's key.
+const PROBE_M_PER_S: f64 = 0.2;
+/// Its length: several strides, dozens of frames.
+const PROBE_S: f64 = 2.0;
+
+/// The hash of what a survey depends on: the world's numbers, its body, what is surveyed, and, since
+/// code counts too, every bit of the log of a short walk.
+///
+/// # Errors
+/// If the robot cannot be built.
+pub fn key(simulation: &Simulation) -> Result<String, BuildError> {
+    let Simulation { robot, aibo, camera, field, effects, survey, .. } = simulation;
+    let mut probe = simulation.before_beacon(survey.near_m, Seed(survey.seed))?;
+    let walked = world::run(&mut *probe, &mut Hold::forward(PROBE_M_PER_S), PROBE_S);
+    // Debug shows every number by its shortest round trip: what differs at all differs here.
+    let all = format!("{robot:?} {aibo:?} {camera:?} {field:?} {effects:?} {survey:?} {URDF} {walked:?}");
+    Ok(format!("blake3:{}", blake3::hash(all.as_bytes()).to_hex()))
+}
+
+/// Measures speeds and heights, in parallel; the same whatever the number of threads.
+///
+/// # Errors
+/// [`CannotSurvey`] if the robot cannot be built or measured.
+pub fn make(simulation: &Simulation, jobs: Option<usize>, say: &(dyn Fn(&str) + Sync)) -> Result<Survey, CannotSurvey> {
+    let how = &simulation.survey;
+    let commands = how.commands_m_per_s();
+    let timings = how.timings as usize;
+    let walks: Vec<(f64, u64)> =
+        commands.iter().flat_map(|&command| std::iter::repeat_n(command, timings)).zip(how.seed..).collect();
+    let stands: Vec<(f64, u64)> = how.distances_m().into_iter().zip(how.seed + walks.len() as u64..).collect();
+    let progress = Count { done: AtomicUsize::new(0), of: walks.len() + stands.len(), say };
+
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0)).build()?;
+    let (speeds, heights) = pool.install(|| {
+        let speeds = walks.par_iter().with_max_len(1).map(|&(command, seed)| -> Result<f64, CannotSurvey> {
+            let mut world = simulation.before_beacon(how.start_m(command), Seed(seed))?;
+            let speed = measure::timed_m_per_s(&mut *world, command, how)?;
+            progress.one_more();
+            Ok(speed)
+        });
+        let speeds: Result<Vec<f64>, CannotSurvey> = speeds.collect();
+        let heights = stands.par_iter().with_max_len(1).map(|&(distance_m, seed)| -> Result<Height, CannotSurvey> {
+            let mut world = simulation.before_beacon(distance_m, Seed(seed))?;
+            let height = measure::height(&mut *world, distance_m, how)?;
+            progress.one_more();
+            Ok(height)
+        });
+        (speeds, heights.collect::<Result<Vec<_>, CannotSurvey>>())
+    });
+    let speeds = speeds?;
+    let speed_by_command = commands
+        .iter()
+        .zip(speeds.chunks(timings.max(1)))
+        .map(|(&command, timings)| measure::speed(command, timings))
+        .collect();
+    Ok(Survey { speed_by_command, height_by_distance: heights?, ..Survey::default() })
+}
+
+/// Counts measurements, and says so now and then.
+struct Count<'a> {
+    done: AtomicUsize,
+    of: usize,
+    say: &'a (dyn Fn(&str) + Sync),
+}
+
+impl Count<'_> {
+    fn one_more(&self) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        if done.is_multiple_of(20) || done == self.of {
+            (self.say)(&format!("survey: {done} of {} measurements done", self.of));
+        }
+    }
+}
