@@ -5,16 +5,16 @@
 //! together best is the first canonical correlation (Hotelling 1936) between the powers of `o` and
 //! the cumulated powers of `c`.
 //!
-//! Two things spoil that equation, and both are dealt with on the way:
-//! - the robot's true place strays from the sum of its actions as a random walk does, so that the sides
-//!   part over a long log. A high-pass filter, linear and hence harmless to the equation, keeps the
-//!   last [`memory_s`](Canonical::memory_s) seconds only; `w_0` leaves with it;
-//! - noise in `o` inflates the variance of S(o) where S is steep, and would flatten S there. To first
-//!   order it adds `sigma^2 S'(o)^2`, which is subtracted (Fuller 1987, section 1.3).
+//! The robot's true place strays from the sum of its actions as a random walk does, so that the two sides
+//! part over a long log. A high-pass filter, linear and hence harmless to the equation, keeps the last
+//! [`memory_s`](Canonical::memory_s) seconds only; `w_0` leaves with it.
+//!
+//! What remains is the bias of a closed form: noise in `o` inflates the variance of S(o) where S is steep.
+//! Subtracting it to first order (Fuller 1987) was tried and did harm where the noise is not white.
 
 use asami_dataset::models::Curve;
 use asami_dataset::{ActionModel, Log, Models, Noise, Rng, SensorModel};
-use asami_math::decomposition::{cholesky, dot, svd};
+use asami_math::decomposition::{dot, svd};
 use asami_math::elementary::exp;
 use asami_math::polynomial::{Polynomial, powers};
 use asami_math::regression::Regression;
@@ -38,7 +38,7 @@ learner! {
         /// Degree of the action model, a polynomial of the command.
         action_degree: u32 = 4, "1", 1.0..=8.0;
         /// Time constant of the high-pass filter on both sides of the equation.
-        memory_s: f64 = 15.0, "s", 0.5..=100000.0;
+        memory_s: f64 = 6.0, "s", 0.5..=100000.0;
     }
 }
 
@@ -112,8 +112,6 @@ struct Moments {
     actions: Vec<Vec<f64>>,
     /// Columns that belong to the powers of the observation.
     sensors: Vec<Vec<f64>>,
-    /// What noise adds to the moments of the latter.
-    noise: Vec<Vec<f64>>,
 }
 
 impl Moments {
@@ -121,8 +119,6 @@ impl Moments {
         let mut regression = Regression::new(n_a + n_s);
         let mut low_pass = LowPass { memory_s, seen_s: 0.0, values: vec![0.0; n_a + n_s] };
         let mut cumulated = vec![0.0; n_a];
-        let mut noise = vec![vec![0.0; n_s]; n_s];
-        let noise_var = (line.local_noise() / scale).powi(2);
         let mut before_s = line.start_s;
         for (i, row) in line.rows.iter().enumerate() {
             for (sum, power) in cumulated.iter_mut().zip(line.powers(i, n_a - 1, command_scale)) {
@@ -131,18 +127,13 @@ impl Moments {
             let u = (row.o - centre) / scale;
             let o_powers = powers(u, n_s);
             let all = [&cumulated[..], &o_powers[1..]].concat();
-            let (high, kept) = low_pass.part(&all, row.t_s - before_s);
+            let high = low_pass.part(&all, row.t_s - before_s);
             before_s = row.t_s;
             regression.observe(&high, 0.0, 1.0);
-            for (p, row) in noise.iter_mut().enumerate() {
-                for (q, sum) in row.iter_mut().enumerate() {
-                    *sum += kept * noise_var * (p + 1) as f64 * o_powers[p] * (q + 1) as f64 * o_powers[q];
-                }
-            }
         }
         let factor = regression.factor();
         let column = |j: usize| factor.iter().map(|row| row[j]).collect::<Vec<f64>>();
-        Self { actions: (0..n_a).map(column).collect(), sensors: (n_a..n_a + n_s).map(column).collect(), noise }
+        Self { actions: (0..n_a).map(column).collect(), sensors: (n_a..n_a + n_s).map(column).collect() }
     }
 
     /// Coefficients of S (less its constant) and of A; `None` where either side does not change.
@@ -150,16 +141,19 @@ impl Moments {
         let basis = svd(&self.actions);
         let cut = 1e-9 * basis.values.first()?;
         let rank = basis.values.iter().take_while(|s| **s > cut).count();
-        let clean = self.sensor_moments_without_noise()?;
-        let l = cholesky(&clean)?;
-        // Columns of L^-1 P^T U: the sensor side whitened, seen along each direction of the action side.
+        let sensors = svd(&self.sensors);
+        let cut = 1e-9 * sensors.values.first()?;
+        let sensor_rank = sensors.values.iter().take_while(|s| **s > cut).count();
+        // Cosines between the two sides' directions.
         let columns: Vec<Vec<f64>> = basis.left[..rank]
             .iter()
-            .map(|u| forward_substitute(&l, self.sensors.iter().map(|p| dot(p, u)).collect()))
+            .map(|u| sensors.left[..sensor_rank].iter().map(|v| dot(u, v)).collect())
             .collect();
         let parts = svd(&columns);
         let best = parts.left.first().filter(|_| parts.values[0] > 0.0)?;
-        let s = back_substitute(&l, best.clone());
+        let s: Vec<f64> = (0..self.sensors.len())
+            .map(|j| (0..sensor_rank).fold(0.0, |sum, k| sum + best[k] / sensors.values[k] * sensors.right[k][j]))
+            .collect();
         // A is the regression of S(o) on the cumulated powers.
         let place: Vec<f64> = (0..self.actions[0].len())
             .map(|i| s.iter().zip(&self.sensors).fold(0.0, |sum, (s, p)| sum + s * p[i]))
@@ -169,20 +163,6 @@ impl Moments {
             .map(|j| (0..rank).fold(0.0, |sum, k| sum + along[k] / basis.values[k] * basis.right[k][j]))
             .collect::<Vec<f64>>();
         s.iter().chain(&a).all(|x: &f64| x.is_finite()).then_some((s, a))
-    }
-
-    /// Moments of the powers of the observation less what noise adds; as much of that is subtracted
-    /// as leaves a moment matrix, should the noise be overestimated.
-    fn sensor_moments_without_noise(&self) -> Option<Vec<Vec<f64>>> {
-        [1.0, 0.5, 0.0].into_iter().find_map(|part| {
-            let n = self.sensors.len();
-            let entry = |p: usize, q: usize| dot(&self.sensors[p], &self.sensors[q]) - part * self.noise[p][q];
-            let mut moments: Vec<Vec<f64>> = (0..n).map(|p| (0..n).map(|q| entry(p, q)).collect()).collect();
-            for (p, row) in moments.iter_mut().enumerate() {
-                row[p] += 1e-12 * dot(&self.sensors[p], &self.sensors[p]);
-            }
-            cholesky(&moments).map(|_| moments)
-        })
     }
 }
 
@@ -194,9 +174,8 @@ struct LowPass {
 }
 
 impl LowPass {
-    /// What `now` has above the mean of the past, and how much of the variance of white noise is left
-    /// in that.
-    fn part(&mut self, now: &[f64], dt_s: f64) -> (Vec<f64>, f64) {
+    /// What `now` has above the mean of the past.
+    fn part(&mut self, now: &[f64], dt_s: f64) -> Vec<f64> {
         self.seen_s += dt_s;
         // A plain mean until the memory is full.
         let mean_s = if self.seen_s < self.memory_s { self.seen_s } else { self.memory_s };
@@ -204,22 +183,6 @@ impl LowPass {
         for (mean, x) in self.values.iter_mut().zip(now) {
             *mean += gain * (x - *mean);
         }
-        (now.iter().zip(&self.values).map(|(x, mean)| x - mean).collect(), (1.0 - gain) * (1.0 - gain))
+        now.iter().zip(&self.values).map(|(x, mean)| x - mean).collect()
     }
-}
-
-fn forward_substitute(l: &[Vec<f64>], mut x: Vec<f64>) -> Vec<f64> {
-    for i in 0..x.len() {
-        x[i] = (x[i] - dot(&l[i][..i], &x[..i])) / l[i][i];
-    }
-    x
-}
-
-/// Solves `L^T x = b`.
-fn back_substitute(l: &[Vec<f64>], mut x: Vec<f64>) -> Vec<f64> {
-    for i in (0..x.len()).rev() {
-        let known = (i + 1..x.len()).fold(0.0, |sum, k| sum + l[k][i] * x[k]);
-        x[i] = (x[i] - known) / l[i][i];
-    }
-    x
 }

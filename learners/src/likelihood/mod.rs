@@ -5,6 +5,8 @@
 //! of `o` passes for motion (errors in variables; Fuller 1987). Here `o = f(place) + noise` with `f` from
 //! place to observation, and both the noise of the sensor and that of the motion are learned too.
 
+mod bending;
+mod noise;
 mod posterior;
 mod shape;
 
@@ -24,19 +26,24 @@ use posterior::{Data, State};
 use shape::first_shape;
 
 learner! {
-    /// Maximum likelihood with a smoother, started by the canonical correlation; the shapes of both
-    /// models are chosen by Schwarz's criterion.
+    /// Maximum likelihood with a smoother, started by the canonical correlation.
     ///
-    /// Scale and sign are those of `canonical`: metres as the commands understand them. Standard errors
-    /// are those of the information matrix, at the learned noise, delay and shapes.
+    /// The sensor is a polynomial of place, or one with a pole (as a pinhole's image of a thing has),
+    /// whichever and of whichever degree Schwarz's criterion prefers; so is whether commands act late. How
+    /// far the action model bends is weighed by a smoothing spline's prior. Places stray from the commands
+    /// as a random walk does; observations have Student's t errors.
+    ///
+    /// Scale and sign are those of `canonical`: metres as the commands understand them. The sensor model is
+    /// the inverse of the learned curve as a polynomial, over the places visited and a little beyond. Standard
+    /// errors are those of the information matrix, at the learned noise, stiffness and shape.
     Likelihood, "likelihood",
     "Learns both models, their noise and the delay of commands by maximum likelihood with a smoother.",
     source "Student-t Rauch-Tung-Striebel smoother by Gauss-Newton (Bell 1994); Schwarz 1978 for the shapes", needs Nothing,
     {
         /// Greatest degree of the learned curve from place to observation.
         max_sensor_degree: u32 = 5, "1", 1.0..=8.0;
-        /// Greatest degree of the learned action model.
-        max_action_degree: u32 = 8, "1", 1.0..=10.0;
+        /// Degree of the learned action model; how much of it is used the data decide.
+        action_degree: u32 = 9, "1", 1.0..=12.0;
         /// Commands may take effect this much late or early; 0: at once.
         max_delay_s: f64 = 0.5, "s", 0.0..=2.0;
         /// Greatest number of passes over the data for one pair of shapes.
@@ -53,19 +60,24 @@ impl Learner for Likelihood {
         let line = Line::try_from(log)?;
         line.require(30)?;
         let pair = Canonical::default().pair(&line)?;
-        let data = Data::new(&line, self.max_action_degree as usize);
+        // No polynomial of higher degree than the commands determine.
+        let action_degree = (self.action_degree as usize).min(line.distinct_commands().saturating_sub(1));
+        let data = Data::new(&line, action_degree);
         let search = Search { line: &line, data: &data, limits: self, passes: Cell::new(0) };
         let start = search.start(&pair)?;
         let best = search.choose_shapes(start);
         let models = best.models(&line, &data)?;
+        let to_metres = best.action(&line)?.1;
+        let places_m: Vec<f64> = best.state.u.iter().map(|u| u * to_metres).collect();
         Ok(Learned {
-            models,
             verdict: if best.converged {
                 Verdict::Converged
             } else {
                 Verdict::Diverged { rule: "the likelihood still rose at the last pass" }
             },
             iterations: Some(search.passes.get()),
+            traces: vec![Trace { name: "w", points: line.trace(&places_m) }],
+            models,
             lacks: line.lacks(2),
             ..Learned::default()
         })
@@ -80,8 +92,6 @@ struct Fitted {
     /// Schwarz's criterion: smaller is better.
     bic: f64,
     converged: bool,
-    /// Metres per scaled place, before the scale is set anew.
-    unit_m: f64,
 }
 
 struct Search<'a> {
@@ -102,26 +112,20 @@ impl Search<'_> {
         let u: Vec<f64> = place.iter().map(|w| (w - middle) / unit_m).collect();
         let points: Vec<(f64, f64)> = u.iter().copied().zip(self.line.rows.iter().map(|row| row.o)).collect();
         let shape = first_shape(&points).filter(|_| unit_m > 0.0 && unit_m.is_finite()).ok_or_else(undetermined)?;
-        let degree = self.action_degrees().min(4);
-        let scale = pair.action.scale;
-        let action = pair.action.coefficients.iter().take(degree + 1).map(|a| a / unit_m).collect();
+        let mut action: Vec<f64> = pair.action.coefficients.iter().map(|a| a / unit_m).collect();
+        action.resize(self.data.action_degree() + 1, 0.0);
         let state = State {
             u,
             spread: Vec::new(),
             action,
+            stiffness: 1.0,
             delay_s: None,
             tail: 10.0,
             sigma: self.line.local_noise().max(0.02 * shape.g.abs()),
             q: 1e-3,
             shape,
         };
-        debug_assert!(scale == self.line.command_scale());
-        Ok(Fitted { state, log_likelihood: f64::NEG_INFINITY, bic: f64::INFINITY, converged: false, unit_m })
-    }
-
-    /// The greatest degree that limits and commands allow the action model.
-    fn action_degrees(&self) -> usize {
-        (self.limits.max_action_degree as usize).min(self.line.distinct_commands().saturating_sub(1))
+        Ok(Fitted { state, log_likelihood: f64::NEG_INFINITY, bic: f64::INFINITY, converged: false })
     }
 
     /// Climbs the likelihood with the shapes as they are.
@@ -138,6 +142,7 @@ impl Search<'_> {
             }
             let reach = if pass < 2 { 3.0 } else { 0.5 };
             self.data.update_noise(&mut fitted.state, least_sigma, reach);
+            self.data.update_stiffness(&mut fitted.state);
             let log_likelihood = self.data.log_likelihood(&fitted.state);
             if (log_likelihood - before).abs() < 0.05 {
                 fitted.converged = true;
@@ -167,7 +172,6 @@ impl Search<'_> {
             best = better(best.clone(), self.climb(&with_sensor(&best, pole, bends)));
         }
         best = self.choose_sensor(best);
-        best = self.choose_action(best);
         if self.limits.max_delay_s > 0.0 {
             let mut late = best.clone();
             late.state.delay_s = Some(0.0);
@@ -185,27 +189,6 @@ impl Search<'_> {
                 break;
             }
             best = richer;
-        }
-        best
-    }
-
-    fn choose_action(&self, from: Fitted) -> Fitted {
-        let mut best = from;
-        // Terms come in pairs: an odd curve gains nothing from the next even power alone.
-        for step in [1, 2, -1, -2] {
-            loop {
-                let degree = best.state.action.len() as i64 - 1 + step;
-                if degree < 1 || degree > self.action_degrees() as i64 {
-                    break;
-                }
-                let mut other = best.clone();
-                other.state.action.resize(degree as usize + 1, 0.0);
-                let other = self.climb(&other);
-                if other.bic >= best.bic {
-                    break;
-                }
-                best = other;
-            }
         }
         best
     }
@@ -252,20 +235,23 @@ fn smoothed_places(line: &Line, pair: &Pair) -> Option<Vec<f64>> {
 }
 
 impl Fitted {
+    /// The action model in metres, and how many of them a scaled place is.
+    fn action(&self, line: &Line) -> Result<(Polynomial, f64), CannotLearn> {
+        let scaled = Polynomial { coefficients: self.state.action.clone(), centre: 0.0, scale: line.command_scale() };
+        let to_metres = metres_per_unit(line, &scaled)?;
+        let coefficients = scaled.coefficients.iter().map(|a| a * to_metres).collect();
+        Ok((Polynomial { coefficients, ..scaled }, to_metres))
+    }
+
     /// The models as polynomials, in metres, with standard errors.
     fn models(&self, line: &Line, data: &Data) -> Result<Models, CannotLearn> {
-        let Self { state, unit_m, .. } = self;
-        let metres = |a: &[f64]| a.iter().map(|a| a * unit_m).collect::<Vec<f64>>();
-        let raw = Polynomial { coefficients: metres(&state.action), centre: 0.0, scale: line.command_scale() };
-        let k = metres_per_unit(line, &raw)?;
-        let action = Polynomial { coefficients: raw.coefficients.iter().map(|a| a * k).collect(), ..raw };
-
+        let state = &self.state;
+        let (action, to_metres) = self.action(line)?;
         let (least, greatest) =
             state.u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(*u), b.max(*u)));
         let margin = 0.08 * (greatest - least);
         let inverse = state.shape.inverse(least - margin, greatest + margin, 9);
         let inverse = inverse.ok_or_else(|| CannotLearn::Undetermined("the sensor cannot be inverted".to_string()))?;
-        let to_metres = unit_m * k;
         let sensor = Polynomial {
             coefficients: inverse.polynomial.coefficients.iter().map(|s| s * to_metres).collect(),
             ..inverse.polynomial

@@ -11,26 +11,24 @@
 use std::borrow::Cow;
 
 use asami_math::decomposition::{cholesky, cholesky_solve, dot};
-use asami_math::elementary::{exp, lgamma, ln};
-use asami_math::kalman::scalar::State as Place;
-use asami_math::optimise::golden_section;
+use asami_math::elementary::ln;
 use asami_math::tridiagonal::Factor;
 
+use super::bending::{Evidence, bending, force};
+use super::noise::{log_of_product, log_peak};
 use super::shape::Shape;
 use crate::line::Line;
-
-/// Least variance of the motion's noise, in squared scaled places per second.
-const LEAST_Q: f64 = 1e-9;
 
 /// Observations and commands in scaled form.
 pub(super) struct Data<'a> {
     line: &'a Line,
     command_scale: f64,
     /// Seconds since the row before.
-    dt_s: Vec<f64>,
+    pub(super) dt_s: Vec<f64>,
     /// [`Line::delayed_powers`] without delay, for the greatest degree.
     prompt: (Vec<f64>, Vec<f64>),
-    max_degree: usize,
+    action_degree: usize,
+    bending: Vec<Vec<f64>>,
 }
 
 /// All that is estimated.
@@ -43,6 +41,8 @@ pub(super) struct State {
     pub(super) shape: Shape,
     /// Coefficients of the action model: scaled places per second, in powers of the scaled command.
     pub(super) action: Vec<f64>,
+    /// Of the action model: see [`super::bending`].
+    pub(super) stiffness: f64,
     /// How late commands take effect, of a state that learns it.
     pub(super) delay_s: Option<f64>,
     /// Scale of the observations' noise.
@@ -60,14 +60,14 @@ impl State {
 }
 
 /// What commands do between observations under a state's delay and action model.
-struct Motion<'d> {
+pub(super) struct Motion<'d> {
     /// Integrals of the powers of the scaled command, `width` a row.
     powers: Cow<'d, [f64]>,
     width: usize,
     /// The command in force at each observation, scaled.
     command: Cow<'d, [f64]>,
     /// Scaled places that the action model says were covered since the row before.
-    drift: Vec<f64>,
+    pub(super) drift: Vec<f64>,
 }
 
 /// The quadratic approximation at a state: `H step = -gradient`, by blocks.
@@ -81,39 +81,38 @@ struct Normal {
 }
 
 impl<'a> Data<'a> {
-    pub(super) fn new(line: &'a Line, max_degree: usize) -> Self {
+    pub(super) fn new(line: &'a Line, action_degree: usize) -> Self {
         let before = [line.start_s].into_iter().chain(line.rows.iter().map(|row| row.t_s));
         // Rows of the same time would leave no room for noise between them.
         let dt_s = line.rows.iter().zip(before).map(|(row, before_s)| (row.t_s - before_s).max(1e-4)).collect();
         let command_scale = line.command_scale();
-        let prompt = scaled_powers(line, max_degree, command_scale, 0.0);
-        Self { line, command_scale, dt_s, prompt, max_degree }
+        let prompt = scaled_powers(line, action_degree, command_scale, 0.0);
+        Self { line, command_scale, dt_s, prompt, action_degree, bending: bending(action_degree + 1) }
     }
 
     pub(super) fn len(&self) -> usize {
         self.dt_s.len()
     }
 
-    fn motion(&self, state: &State) -> Motion<'_> {
-        let terms = state.action.len();
-        let (powers, width, command) = match state.delay_s {
-            None => (Cow::from(&self.prompt.0), self.max_degree + 1, Cow::from(&self.prompt.1)),
+    pub(super) fn action_degree(&self) -> usize {
+        self.action_degree
+    }
+
+    pub(super) fn motion(&self, state: &State) -> Motion<'_> {
+        let width = self.action_degree + 1;
+        let (powers, command) = match state.delay_s {
+            None => (Cow::from(&self.prompt.0), Cow::from(&self.prompt.1)),
             Some(delay_s) => {
-                let (powers, command) = scaled_powers(self.line, terms - 1, self.command_scale, delay_s);
-                (powers.into(), terms, command.into())
+                let late = scaled_powers(self.line, self.action_degree, self.command_scale, delay_s);
+                (late.0.into(), late.1.into())
             }
         };
-        let drift = powers.chunks(width).map(|row| dot(&row[..terms], &state.action)).collect();
+        let drift = powers.chunks(width).map(|row| dot(row, &state.action)).collect();
         Motion { powers, width, command, drift }
     }
 
-    fn residual(&self, state: &State, i: usize) -> f64 {
+    pub(super) fn residual(&self, state: &State, i: usize) -> f64 {
         self.line.rows[i].o - state.shape.at(state.u[i])
-    }
-
-    /// Weight of a residual under Student's t (Lange, Little and Taylor 1989).
-    fn weight(&self, state: &State, residual: f64) -> f64 {
-        (state.tail + 1.0) / (state.tail + (residual / state.sigma) * (residual / state.sigma))
     }
 
     /// Minus the log-density of observations and places, less what depends on neither; infinite where
@@ -133,7 +132,13 @@ impl<'a> Data<'a> {
             sum + self.volume_precision(state, i) * slope * slope
         });
         let sum = 0.5 * (state.tail + 1.0) * of_sensor + 0.5 * of_motion / state.q + 0.5 * of_volume;
+        let sum = sum + 0.5 * self.bend(state);
         if sum.is_finite() { sum } else { f64::INFINITY }
+    }
+
+    /// The prior's `stiffness * integral of A''^2`.
+    fn bend(&self, state: &State) -> f64 {
+        dot(&state.action, &force(&self.bending, state.stiffness, &state.action))
     }
 
     /// `P_i / sigma^2`, of a state that has the variances.
@@ -230,9 +235,10 @@ impl<'a> Data<'a> {
     pub(super) fn step(&self, state: &mut State, max_delay_s: f64) -> bool {
         let motion = self.motion(state);
         let Some(normal) = self.normal(state, &motion) else { return false };
-        let Some(l) = damped_cholesky(&normal.information) else { return false };
+        let evidence = self.evidence(state, &normal);
+        let Some(l) = damped_cholesky(&evidence.stiffened(state.stiffness)) else { return false };
         let (p, width) = (state.unknowns(), state.unknowns() + 1);
-        let models: Vec<f64> = cholesky_solve(&l, &normal.gradient).iter().map(|x| -x).collect();
+        let models: Vec<f64> = cholesky_solve(&l, &evidence.slope(state.stiffness)).iter().map(|x| -x).collect();
         state.spread = normal.chain.inverse_diagonal();
         let before = self.cost(state, &motion);
         let places: Vec<f64> = normal.solved.chunks(width).map(|row| -row[p] - dot(&row[..p], &models)).collect();
@@ -249,71 +255,25 @@ impl<'a> Data<'a> {
         false
     }
 
-    /// Sets the noise of observations and motion to what makes the innovations of a Kalman filter,
-    /// linearised at the smoothed places, most likely; `q / sigma^2` moves by a factor `e^reach` at most.
-    pub(super) fn update_noise(&self, state: &mut State, least_sigma: f64, reach: f64) {
-        let motion = self.motion(state);
-        let weights: Vec<f64> = (0..self.len()).map(|i| self.weight(state, self.residual(state, i))).collect();
-        let linear: Vec<(f64, f64)> = (0..self.len())
-            .map(|i| {
-                let slope = state.shape.slope_at(state.u[i]);
-                (slope, self.residual(state, i) + slope * state.u[i])
-            })
-            .collect();
-        let filtered = |log_ratio: f64| self.innovations(state, &motion, &weights, &linear, exp(log_ratio));
-        let now = ln(state.q / (state.sigma * state.sigma));
-        let best = golden_section(|x| filtered(x).0, now - reach, now + reach, 0.05);
-        let variance = filtered(best.x).1;
-        if best.value.is_finite() && variance.is_finite() {
-            state.sigma = variance.sqrt().max(least_sigma);
-            state.q = (exp(best.x) * variance).max(LEAST_Q);
+    fn evidence<'b>(&'b self, state: &'b State, normal: &'b Normal) -> Evidence<'b> {
+        Evidence {
+            information: &normal.information,
+            gradient: &normal.gradient,
+            bending: &self.bending,
+            action: &state.action,
+            first: state.shape.unknowns(),
         }
-        let squares: Vec<f64> = (0..self.len()).map(|i| (self.residual(state, i) / state.sigma).powi(2)).collect();
-        let of_tail = |tail: f64| {
-            let sum = log_of_product(squares.iter().map(|square| 1.0 + square / tail));
-            0.5 * (tail + 1.0) * sum - squares.len() as f64 * log_peak(tail)
-        };
-        state.tail = exp(golden_section(|x| of_tail(exp(x)), ln(2.5), ln(300.0), 0.05).x);
     }
 
-    /// Standard deviation of the observations' noise.
-    pub(super) fn noise_sd(&self, state: &State) -> f64 {
-        let sum = (0..self.len()).fold(0.0, |sum, i| sum + self.residual(state, i).powi(2));
-        (sum / self.len() as f64).sqrt()
-    }
-
-    /// Minus the profile log-likelihood of `q / sigma^2`, and the `sigma^2` that goes with it.
-    fn innovations(
-        &self,
-        state: &State,
-        motion: &Motion,
-        weights: &[f64],
-        linear: &[(f64, f64)],
-        ratio: f64,
-    ) -> (f64, f64) {
-        let mut place = Place { mean: state.u[0], variance: 1e8 };
-        let (mut nis, mut variances) = (0.0, Vec::with_capacity(self.len()));
-        for i in 0..self.len() {
-            if i > 0 {
-                place = place.predict(motion.drift[i], ratio * self.dt_s[i]);
-            }
-            let Some((next, innovation)) = place.update(linear[i].0, linear[i].1, 1.0 / weights[i]) else {
-                return (f64::INFINITY, f64::NAN);
-            };
-            place = next;
-            // The first innovation only tells where the robot began.
-            if i > 0 {
-                nis += innovation.value * innovation.value / innovation.variance;
-                variances.push(innovation.variance);
-            }
+    /// Sets the stiffness to the most likely one.
+    pub(super) fn update_stiffness(&self, state: &mut State) {
+        if let Some(normal) = self.normal(state, &self.motion(state)) {
+            state.stiffness = self.evidence(state, &normal).best_stiffness();
         }
-        let log_det = log_of_product(variances.into_iter());
-        let n = (self.len() - 1) as f64;
-        (0.5 * (n * ln(nis / n) + log_det), nis / n)
     }
 
-    /// Log-likelihood of the observations in nats, the places integrated out by Laplace's
-    /// approximation; minus infinity where there is none.
+    /// Log-likelihood of the observations in nats, places and bends of the action model integrated out
+    /// by Laplace's approximation; minus infinity where there is none.
     pub(super) fn log_likelihood(&self, state: &State) -> f64 {
         let motion = self.motion(state);
         let Some(normal) = self.normal(state, &motion) else { return f64::NEG_INFINITY };
@@ -323,13 +283,15 @@ impl<'a> Data<'a> {
         let joint = State { spread: Vec::new(), ..state.clone() };
         let of_t = log_peak(state.tail) - ln(state.sigma);
         let of_motion = -0.5 * log_of_product(self.dt_s[1..].iter().map(|dt_s| 2.0 * pi * state.q * dt_s));
-        n * of_t + of_motion - self.cost(&joint, &motion) + 0.5 * n * ln(2.0 * pi) - 0.5 * normal.chain.log_det()
+        let of_places = 0.5 * self.bend(state) - self.cost(&joint, &motion);
+        let of_bend = -0.5 * self.bend(state) + self.evidence(state, &normal).volume(state.stiffness);
+        n * of_t + of_motion + of_places + of_bend + 0.5 * n * ln(2.0 * pi) - 0.5 * normal.chain.log_det()
     }
 
     /// Covariance of the models' coefficients: shape, action, delay.
     pub(super) fn covariance(&self, state: &State) -> Option<Vec<Vec<f64>>> {
         let normal = self.normal(state, &self.motion(state))?;
-        let (l, p) = (damped_cholesky(&normal.information)?, state.unknowns());
+        let (l, p) = (damped_cholesky(&self.evidence(state, &normal).stiffened(state.stiffness))?, state.unknowns());
         Some(
             (0..p)
                 .map(|j| cholesky_solve(&l, &(0..p).map(|k| f64::from(u8::from(j == k))).collect::<Vec<f64>>()))
@@ -344,20 +306,6 @@ fn scaled_powers(line: &Line, degree: usize, scale: f64, delay_s: f64) -> (Vec<f
         *c /= scale;
     }
     (powers, command)
-}
-
-/// Sum of logarithms of positive numbers, one logarithm for many of them.
-fn log_of_product(factors: impl Iterator<Item = f64>) -> f64 {
-    let (sum, product) = factors.fold((0.0, 1.0), |(sum, product), factor| {
-        let product = product * factor;
-        if (1e-100..1e100).contains(&product) { (sum, product) } else { (sum + ln(product), 1.0) }
-    });
-    sum + ln(product)
-}
-
-/// Logarithm of the density of Student's t at zero.
-fn log_peak(tail: f64) -> f64 {
-    lgamma(0.5 * (tail + 1.0)) - lgamma(0.5 * tail) - 0.5 * ln(tail * std::f64::consts::PI)
 }
 
 fn moved(state: &State, models: &[f64], places: &[f64], part: f64, max_delay_s: f64) -> State {

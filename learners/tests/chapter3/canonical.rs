@@ -8,9 +8,9 @@ fn without_noise_only_the_degrees_stand_between_it_and_the_truth() {
     let pacer = Pacer { sigma_px: 0.0, walk_m: 0.0, saturates_m_per_s: f64::INFINITY, ..Pacer::default() };
     let models = learn("canonical", &[("sensor_degree", 7.0)], &pacer.log(2), &Models::default()).unwrap().models;
     let found = score(&pacer, &models);
-    // The kinks where commands change pass for a little noise; degree 4 holds the straight action model.
-    assert!(found.sensor_mm < 0.003 * 2400.0 && found.action_mm_per_s < 0.01, "{found:?}");
-    assert!((found.k - 1.0).abs() < 1e-4 && (found.b + 1.0).abs() < 5e-3, "{found:?}");
+    // The robot does not see the outermost distances, where degree 7 misses most.
+    assert!(found.sensor_mm < 0.0025 * 2400.0 && found.action_mm_per_s < 0.01, "{found:?}");
+    assert!((found.k - 1.0).abs() < 1e-4 && (found.b + 1.0).abs() < 4e-3, "{found:?}");
 }
 
 #[test]

@@ -58,7 +58,7 @@ fn late_commands_and_outliers_do_little_harm() {
 fn standard_errors_cover() {
     let pacer = Pacer { saturates_m_per_s: f64::INFINITY, ..Pacer::default() };
     let (mut squares, mut n) = (0.0, 0.0);
-    let fixed = [("max_action_degree", 1.0), ("max_delay_s", 0.0)];
+    let fixed = [("action_degree", 1.0), ("max_delay_s", 0.0)];
     for seed in 0..40 {
         let found = learn("likelihood", &fixed, &pacer.log(seed), &Models::default()).unwrap().models;
         // Of a straight line the slope is set to 1 by definition: the speed at command 0 is left.
