@@ -140,7 +140,7 @@ pub fn figure_3_9(which: Learning, curves: &[Vec<[f64; 2]>], floor: Option<f64>)
     let middle: Vec<[f64; 3]> = spread.iter().map(|it| [it.t_s, 1e3 * it.quartiles.0, 1e3 * it.quartiles.1]).collect();
     let settled = mean.iter().skip(mean.len() / 2).map(|[_, error]| *error);
     let lowest = floor.map_or(0.0, |floor| 1e3 * floor);
-    let top = cover(settled).map_or(0.0, |(_, high)| 2.2 * high).max(4.0 * lowest);
+    let top = cover(settled).map_or(0.0, |(_, high)| 1.8 * high).max(2.0 * lowest);
     let highest = cover(mean.iter().map(|[_, error]| *error)).map_or(1.0, |(_, high)| 1.06 * high);
     let mut figure = Figure::new(name, title)
         .x("time", "s")
@@ -155,7 +155,7 @@ pub fn figure_3_9(which: Learning, curves: &[Vec<[f64; 2]>], floor: Option<f64>)
         figure = figure.y_range(0.0, top.min(highest).max(1.3 * lowest));
     }
     figure.caption(
-        "Errors after scaling, against the survey. Good: they fall towards the dotted line and stay there; nothing \
+        "Errors after scaling, against what was measured. Good: they fall towards the dotted line and stay there; nothing \
          of the same degree can be better. Errors of the first seconds may lie above the frame.",
     )
 }

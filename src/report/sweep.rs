@@ -2,20 +2,21 @@
 
 use std::path::Path;
 
-use asami_dataset::{Models, SensorModel, store};
+use asami_dataset::Survey;
 
+use super::both_at_once;
 use super::exhibits::Exhibits;
 use super::{Cell, Plate, Report, RowKind, Section, Table};
 use crate::draw::Figure;
-use crate::draw::chapter3::{self, Learning};
-use crate::scenario::Start;
+use crate::draw::chapter3;
+use crate::scenario::{Origin, Start};
 use crate::sweep::CannotSweep;
 use crate::sweep::cases::write_whole;
 use crate::sweep::manifest::{self, Manifest};
 use crate::sweep::summary::Spread;
 use crate::sweep::table::{Line, MeanSd, Whose};
 use crate::sweep::verb::Outcome;
-use crate::trial::{Ending, Trial};
+use crate::trial::Ending;
 
 /// Writes `report.html` and `figures/*.svg` under `out`.
 ///
@@ -38,7 +39,7 @@ pub fn write(outcome: &Outcome, exhibits: &Exhibits, program: &str, out: &Path) 
 #[must_use]
 pub fn report(outcome: &Outcome, manifest: &Manifest, exhibits: &Exhibits) -> (Report, Vec<Figure>) {
     let scenario = &outcome.results.scenario;
-    let both = both_at_once(outcome);
+    let both = both_at_once::figures(&outcome.results);
     let mut report =
         Report::new(&scenario.name, &scenario.about).answer(answer(outcome)).section(table_section(outcome));
     if !outcome.verdicts.is_empty() {
@@ -51,14 +52,18 @@ pub fn report(outcome: &Outcome, manifest: &Manifest, exhibits: &Exhibits) -> (R
         report = report.section(single_section(&exhibits.single));
     }
     if !both.is_empty() {
-        report = report.section(both_section(&both));
+        report = report.section(both_section(outcome, &both));
     }
     if !outcome.comparisons.is_empty() {
         report = report.section(comparisons_section(outcome));
     }
+    if let Some(survey) = &outcome.results.survey {
+        report = survey_sections(survey).into_iter().fold(report, Report::section);
+    }
     report = report.section(trials_section(outcome)).footnote(
         "Errors are root mean squares after the published scaling (Stronger 2008, section 3.3.2): action models as \
-         k A(c) with the best k, sensor models as a + b S(o) with the best a and b.",
+         k A(c) with the best k, sensor models as a + b S(o) with the best a and b. The scale difference is | |k| / |b| - 1 |: 0 if both models are in one unit of length; the \
+         dissertation's is 0.08 \u{b1} 0.06 for Algorithm 1 from A0(c) = c.",
     );
     let figures = exhibits.single.iter().chain(&both).cloned().chain(speed_figure(outcome)).collect();
     (made_with(report, manifest), figures)
@@ -105,15 +110,28 @@ fn mean_sd_cell(value: Option<MeanSd>) -> Cell {
 }
 
 fn table_section(outcome: &Outcome) -> Section {
-    let heads =
-        ["source", "learner", "starting model", "time (s)", "sensor error (mm)", "action error (mm/s)", "converged"];
+    let heads = [
+        "source",
+        "learner",
+        "starting model",
+        "time (s)",
+        "sensor error (mm)",
+        "action error (mm/s)",
+        "scale difference",
+        "converged",
+    ];
     let table = Table::new("Table 3.1", &heads).caption(
         "Mean \u{b1} standard deviation over the trials that converged, the dissertation's rows under ours. Rows marked \
          `reference` need the truth: `floor` is the best polynomial of the same degree, `unlearned` a starting model as \
          it is. Good: close to the floor, and far below the unlearned model. Point at an error for median, \
          interquartile mean and a bootstrap interval; click on a head to sort.",
     );
-    Section::new("Table 3.1").table(outcome.lines.iter().fold(table, |table, line| {
+    let section = match outcome.results.scenario.origin {
+        Origin::Simulated(_) => Section::new("Table 3.1"),
+        Origin::Recorded(_) => Section::new("Table 3.1, on a recorded log")
+            .text("The dissertation's rows are of its Aibo: another robot, on another range of distances and speeds."),
+    };
+    section.table(outcome.lines.iter().fold(table, |table, line| {
         let kind = match line.whose {
             Whose::Asami => RowKind::Ours,
             Whose::Reference => RowKind::Reference,
@@ -123,7 +141,7 @@ fn table_section(outcome: &Outcome) -> Section {
     }))
 }
 
-fn cells(line: &Line) -> [Cell; 7] {
+fn cells(line: &Line) -> [Cell; 8] {
     let spread = |pick: fn(&crate::sweep::summary::Summary) -> Option<&Spread>| line.summary.as_ref().and_then(pick);
     let converged = match (line.converged, line.trials) {
         (Some(converged), Some(trials)) => Cell {
@@ -140,6 +158,8 @@ fn cells(line: &Line) -> [Cell; 7] {
         line.duration_s.map_or_else(Cell::default, |duration_s| Cell::number(duration_s, 0)),
         mean_sd_cell(line.sensor_rmse_mm).hint(hint(spread(|it| it.sensor_rmse_m.as_ref()))),
         mean_sd_cell(line.action_rmse_mm_per_s).hint(hint(spread(|it| it.action_rmse_m_per_s.as_ref()))),
+        spread(|it| it.scale_difference.as_ref())
+            .map_or_else(Cell::default, |it| Cell::mean_sd(it.mean, it.sd.unwrap_or(f64::NAN), 2)),
         converged,
     ]
 }
@@ -153,8 +173,10 @@ fn hint(spread: Option<&Spread>) -> String {
 }
 
 fn verdicts_section(outcome: &Outcome) -> Section {
-    let table = Table::new("Expected answers", &["claim", "came out"])
-        .caption("What the scenario file expects of its rows, and what was found. A `no` is a finding, or a bug.");
+    let table = Table::new("Expected answers", &["claim", "came out"]).caption(
+        "What the scenario file expects of its rows, and what was found. A `no` is a finding, or a bug; or it is for \
+             want of logs: no paired test can hold on fewer than six.",
+    );
     Section::new("Expected answers").table(outcome.verdicts.iter().fold(table, |table, verdict| {
         table.row(RowKind::Ours, [verdict.claim.clone().into(), if verdict.holds { "yes" } else { "no" }.into()])
     }))
@@ -181,12 +203,16 @@ fn single_section(figures: &[Figure]) -> Section {
     arranged(section, figures.iter().map(Plate::from))
 }
 
-fn both_section(figures: &[Figure]) -> Section {
-    let section = Section::new("Both models from each other").text(
-        "Algorithm 1 on the scenario's first log, started from its first row's model, and its learning curves over all \
-         logs.",
-    );
-    arranged(section, figures.iter().map(Plate::from))
+fn both_section(outcome: &Outcome, figures: &[Figure]) -> Section {
+    let row = both_at_once::shown(&outcome.results).map(|trial| &outcome.results.scenario.rows[trial.row]);
+    let who = row.map_or_else(String::new, |row| {
+        let start = row.start.map_or_else(String::new, |start| format!(" started from {}", in_words(start)));
+        format!(
+            "`{}`{start}, {} s: one run on the first log, and learning curves over all logs.",
+            row.label, row.duration_s
+        )
+    });
+    arranged(Section::new("Both models from each other").text(who), figures.iter().map(Plate::from))
 }
 
 /// Wide figures alone, the others in pairs.
@@ -205,61 +231,6 @@ fn arranged(mut section: Section, plates: impl IntoIterator<Item = Plate>) -> Se
     section.figures(pair)
 }
 
-/// Figures 3.7 to 3.9, of the first row that leaves curves behind.
-fn both_at_once(outcome: &Outcome) -> Vec<Figure> {
-    let results = &outcome.results;
-    let traced = results
-        .records
-        .first()
-        .into_iter()
-        .flat_map(|record| &record.trials)
-        .find(|trial| trace(trial, "w_s").is_some());
-    let Some(trial) = traced else { return Vec::new() };
-    let mut figures = Vec::new();
-    if let (Some(w_a), Some(w_s)) = (trace(trial, "w_a"), trace(trial, "w_s")) {
-        figures.push(chapter3::figure_3_7(w_a, w_s));
-    }
-    let models = trial.models.clone().and_then(|text| store::parse_models(text).ok()).map(|(_, models)| models);
-    if let (Some(models), Some(survey)) = (models, &results.survey) {
-        figures.extend(learned_action(trial, &models, survey));
-        figures.extend(learned_sensor(trial, &models, survey));
-    }
-    let floor = results.records.first().map(crate::sweep::rows::floor).unwrap_or_default();
-    let trials = || results.records.iter().filter_map(|record| record.trials.get(trial.row));
-    let curves = |error: fn(&crate::trial::CurvePoint) -> Option<f64>| -> Vec<Vec<[f64; 2]>> {
-        let points = |trial: &Trial| {
-            trial.curve.iter().filter_map(|point| Some([point.t_s - trial.case.start_s(), error(point)?])).collect()
-        };
-        trials().map(points).filter(|curve: &Vec<[f64; 2]>| !curve.is_empty()).collect()
-    };
-    let sensor = chapter3::figure_3_9(Learning::Sensor, &curves(|point| point.sensor_rmse_m), floor.sensor_rmse_m);
-    let action =
-        chapter3::figure_3_9(Learning::Action, &curves(|point| point.action_rmse_m_per_s), floor.action_rmse_m_per_s);
-    figures.extend([sensor, action]);
-    figures
-}
-
-fn trace<'a>(trial: &'a Trial, name: &str) -> Option<&'a [[f64; 2]]> {
-    trial.traces.iter().find(|(found, points)| found == name && !points.is_empty()).map(|(_, points)| points.as_slice())
-}
-
-fn learned_action(trial: &Trial, models: &Models, survey: &asami_dataset::Survey) -> Option<Figure> {
-    let (action, k) = (models.action.as_ref()?, trial.scores.action_scale?);
-    if survey.speed_by_command.is_empty() {
-        return None;
-    }
-    Some(chapter3::figure_3_8a(&survey.speed_by_command, |c| action.forward_at(c).map_or(f64::NAN, |v| k * v)))
-}
-
-fn learned_sensor(trial: &Trial, models: &Models, survey: &asami_dataset::Survey) -> Option<Figure> {
-    let Some(SensorModel::DistanceOfHeight(curve)) = &models.sensor else { return None };
-    if survey.height_by_distance.is_empty() {
-        return None;
-    }
-    let (a, b) = (trial.scores.sensor_offset_m?, trial.scores.sensor_scale?);
-    Some(chapter3::figure_3_8b(&survey.height_by_distance, |o| a + b * curve.polynomial.at(o)))
-}
-
 fn comparisons_section(outcome: &Outcome) -> Section {
     let heads = ["learner", "against", "time (s)", "quantity", "logs", "median difference (mm, mm/s)", "p"];
     let table = Table::new("Paired comparisons", &heads).caption(
@@ -271,7 +242,8 @@ fn comparisons_section(outcome: &Outcome) -> Section {
         row.start.map_or_else(|| row.label.clone(), |start| format!("{}, {}", row.label, in_words(start)))
     };
     Section::new("Paired comparisons").table(outcome.comparisons.iter().fold(table, |table, it| {
-        let p = Cell { text: format!("{:.1e}", it.p), value: Some(it.p), ..Cell::default() };
+        let p = if it.p < 1e-3 { format!("{:.0e}", it.p) } else { format!("{:.3}", it.p) };
+        let p = Cell { text: p, value: Some(it.p), ..Cell::default() };
         let duration_s = outcome.results.scenario.rows[it.row].duration_s;
         table.row(
             RowKind::Ours,
@@ -286,6 +258,28 @@ fn comparisons_section(outcome: &Outcome) -> Section {
             ],
         )
     }))
+}
+
+/// The measured models, where there are any.
+fn survey_sections(survey: &Survey) -> Option<Section> {
+    let speeds = Table::new("Speeds", &["command (mm/s)", "speed (mm/s)", "sd (mm/s)", "timings"]).caption(
+        "Timed between two lines (section 3.3.2). The dissertation's standard deviations never exceeded 7 mm/s.",
+    );
+    let speeds = survey.speed_by_command.iter().fold(speeds, |table, it| {
+        let mm = [it.command_m_per_s, it.speed_m_per_s, it.sd_m_per_s].map(|value| Cell::number(1e3 * value, 1));
+        table.row(RowKind::Ours, mm.into_iter().chain([Cell::number(f64::from(it.timings), 0)]))
+    });
+    let heights = Table::new("Heights", &["distance (mm)", "height (px)", "sd (px)", "readings"]).caption(
+        "Beacon heights seen while standing at measured distances. The dissertation's standard deviations did not \
+         exceed 1.1 px.",
+    );
+    let heights = survey.height_by_distance.iter().fold(heights, |table, it| {
+        let px = [it.height_px, it.sd_px].map(|value| Cell::number(value, 2));
+        let readings = Cell::number(f64::from(it.readings), 0);
+        table.row(RowKind::Ours, [Cell::number(1e3 * it.distance_m, 0)].into_iter().chain(px).chain([readings]))
+    });
+    let section = Section::new("The survey").folded().table(speeds).table(heights);
+    (!survey.speed_by_command.is_empty() || !survey.height_by_distance.is_empty()).then_some(section)
 }
 
 fn trials_section(outcome: &Outcome) -> Section {

@@ -30,7 +30,9 @@ impl Cell {
         if value.is_nan() {
             return Self::default();
         }
-        let text = format!("{value:.decimals$}").replace('-', "\u{2212}");
+        let digits = format!("{:.decimals$}", value.abs());
+        let is_zero = !digits.bytes().any(|byte| (b'1'..=b'9').contains(&byte));
+        let text = if value < 0.0 && !is_zero { format!("\u{2212}{digits}") } else { digits };
         Self { text, value: Some(value), hint: String::new() }
     }
 
@@ -114,5 +116,21 @@ impl Table {
     pub(crate) fn is_numeric(&self, column: usize) -> bool {
         let cells = || self.rows.iter().filter_map(|row| row.cells.get(column));
         cells().any(|cell| cell.value.is_some()) && cells().all(|cell| cell.value.is_some() || cell.text.is_empty())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_as_printed_and_sort_as_they_are() {
+        let read = |value| Cell::number(value, 1).text;
+        assert_eq!([read(-4.25), read(-0.04), read(0.0), read(1234.56)], ["\u{2212}4.2", "0.0", "0.0", "1234.6"]);
+        assert_eq!(Cell::number(-0.04, 1).value, Some(-0.04));
+        assert_eq!(Cell::number(f64::NAN, 1), Cell::default());
+        assert_eq!(Cell::mean_sd(70.4, 13.9, 1).text, "70.4 \u{b1} 13.9");
+        assert_eq!(Cell::mean_sd(48.8, f64::NAN, 1).text, "48.8");
+        assert_eq!(Cell::mean_sd(f64::NAN, 1.0, 1), Cell::default());
     }
 }

@@ -1,0 +1,66 @@
+//! Section 3.3.2 of Stronger (2008) on a sweep's results: both models from each other, for Figures 3.7
+//! to 3.9.
+
+use asami_dataset::{Models, SensorModel, Survey, store};
+
+use crate::draw::Figure;
+use crate::draw::chapter3::{self, Learning};
+use crate::sweep::{Record, Results, rows};
+use crate::trial::{CurvePoint, Trial};
+
+/// The trial of the first log that Figures 3.7 and 3.8 show: of the first row that leaves curves behind.
+#[must_use]
+pub fn shown(results: &Results) -> Option<&Trial> {
+    results.records.first()?.trials.iter().find(|trial| trace(trial, "w_s").is_some())
+}
+
+/// Figures 3.7 to 3.9 of the row of [`shown`].
+#[must_use]
+pub fn figures(results: &Results) -> Vec<Figure> {
+    let Some(trial) = shown(results) else { return Vec::new() };
+    let mut figures = Vec::new();
+    if let (Some(w_a), Some(w_s)) = (trace(trial, "w_a"), trace(trial, "w_s")) {
+        figures.push(chapter3::figure_3_7(w_a, w_s));
+    }
+    let models = trial.models.clone().and_then(|text| store::parse_models(text).ok()).map(|(_, models)| models);
+    if let (Some(models), Some(survey)) = (models, &results.survey) {
+        figures.extend(learned_action(trial, &models, survey));
+        figures.extend(learned_sensor(trial, &models, survey));
+    }
+    let floor = results.records.first().map(rows::floor).unwrap_or_default();
+    // Overlapping windows would count data twice.
+    let is_counted = |record: &&Record| !record.case.window.is_some_and(|window| window.overlapping);
+    let trials = || results.records.iter().filter(is_counted).filter_map(|record| record.trials.get(trial.row));
+    let curves = |error: fn(&CurvePoint) -> Option<f64>| -> Vec<Vec<[f64; 2]>> {
+        let points = |trial: &Trial| {
+            trial.curve.iter().filter_map(|point| Some([point.t_s - trial.case.start_s(), error(point)?])).collect()
+        };
+        trials().map(points).filter(|curve: &Vec<[f64; 2]>| !curve.is_empty()).collect()
+    };
+    let sensor = chapter3::figure_3_9(Learning::Sensor, &curves(|point| point.sensor_rmse_m), floor.sensor_rmse_m);
+    let action =
+        chapter3::figure_3_9(Learning::Action, &curves(|point| point.action_rmse_m_per_s), floor.action_rmse_m_per_s);
+    figures.extend([sensor, action]);
+    figures
+}
+
+fn trace<'a>(trial: &'a Trial, name: &str) -> Option<&'a [[f64; 2]]> {
+    trial.traces.iter().find(|(found, points)| found == name && !points.is_empty()).map(|(_, points)| points.as_slice())
+}
+
+fn learned_action(trial: &Trial, models: &Models, survey: &Survey) -> Option<Figure> {
+    let (action, k) = (models.action.as_ref()?, trial.scores.action_scale?);
+    if survey.speed_by_command.is_empty() {
+        return None;
+    }
+    Some(chapter3::figure_3_8a(&survey.speed_by_command, |c| action.forward_at(c).map_or(f64::NAN, |v| k * v)))
+}
+
+fn learned_sensor(trial: &Trial, models: &Models, survey: &Survey) -> Option<Figure> {
+    let Some(SensorModel::DistanceOfHeight(curve)) = &models.sensor else { return None };
+    if survey.height_by_distance.is_empty() {
+        return None;
+    }
+    let (a, b) = (trial.scores.sensor_offset_m?, trial.scores.sensor_scale?);
+    Some(chapter3::figure_3_8b(&survey.height_by_distance, |o| a + b * curve.polynomial.at(o)))
+}
