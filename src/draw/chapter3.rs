@@ -11,11 +11,11 @@ use super::figure::{Figure, Mark, Stroke};
 const MOST_MARKS: usize = 450;
 
 /// Figure 3.5a: beacon height over time under one constant action, and the cubic fitted to the pairs
-/// (o, t) (section 3.2.1). Times are the learner's: seconds since the action began.
+/// (o, t) (section 3.2.1): `time_s` of a height in pixels.
 #[must_use]
-pub fn figure_3_5a(observed_px: &[[f64; 2]], time_of_height: &Polynomial) -> Figure {
+pub fn figure_3_5a(observed_px: &[[f64; 2]], time_s: impl Fn(f64) -> f64) -> Figure {
     let heights = cover(observed_px.iter().map(|[_, o]| *o));
-    let cubic = heights.map(|(low, high)| sampled((low, high), |o| time_of_height.at(o)));
+    let cubic = heights.map(|(low, high)| sampled((low, high), &time_s));
     let cubic: Vec<[f64; 2]> = cubic.into_iter().flatten().map(|[o, t]| [t, o]).collect();
     Figure::new("Figure 3.5a", "A sensor model from one constant action")
         .x("time", "s")
@@ -239,7 +239,7 @@ mod tests {
         // o = 10 + 2 t, so that t = (o - 10) / 2.
         let model = Polynomial::plain(vec![-5.0, 0.5]);
         let observed: Vec<[f64; 2]> = (0..2000).map(|i| f64::from(i) * 0.01).map(|t| [t, 10.0 + 2.0 * t]).collect();
-        let figure = figure_3_5a(&observed, &model);
+        let figure = figure_3_5a(&observed, |o| model.at(o));
         let Shape::Line(Stroke::Dashed, curve) = series(&figure, "best cubic") else { panic!() };
         assert!(curve.iter().all(|[t, o]| (o - 10.0 - 2.0 * t).abs() < 1e-9));
         let Shape::Points(Mark::Plus, marks) = series(&figure, "observations") else { panic!() };
@@ -289,7 +289,7 @@ mod tests {
     fn figures_without_data_are_empty_figures() {
         let none = Polynomial::plain(vec![]);
         for figure in [
-            figure_3_5a(&[], &none),
+            figure_3_5a(&[], |o| none.at(o)),
             figure_3_5b(&[], &[], &none),
             figure_3_6(&[], &[]),
             figure_3_7(&[], &[]),

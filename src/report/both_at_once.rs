@@ -2,16 +2,19 @@
 //! to 3.9.
 
 use asami_dataset::{Models, SensorModel, Survey, store};
+use asami_math::statistics;
 
 use crate::draw::Figure;
 use crate::draw::chapter3::{self, Learning};
+use crate::scorer::Scores;
 use crate::sweep::{Record, Results, rows};
 use crate::trial::{CurvePoint, Trial};
 
-/// The trial of the first log that Figures 3.7 and 3.8 show: of the first row that leaves curves behind.
+/// The trial of the first log that Figures 3.7 and 3.8 show: Algorithm 1's, in the scenario's first row of it.
 #[must_use]
 pub fn shown(results: &Results) -> Option<&Trial> {
-    results.records.first()?.trials.iter().find(|trial| trace(trial, "w_s").is_some())
+    let row = results.scenario.rows.iter().position(|row| row.learner == "algorithm1")?;
+    results.records.first()?.trials.get(row).filter(|trial| trace(trial, "w_s").is_some())
 }
 
 /// Figures 3.7 to 3.9 of the row of [`shown`].
@@ -27,19 +30,26 @@ pub fn figures(results: &Results) -> Vec<Figure> {
         figures.extend(learned_action(trial, &models, survey));
         figures.extend(learned_sensor(trial, &models, survey));
     }
-    let floor = results.records.first().map(rows::floor).unwrap_or_default();
     // Overlapping windows would count data twice.
     let is_counted = |record: &&Record| !record.case.window.is_some_and(|window| window.overlapping);
     let trials = || results.records.iter().filter(is_counted).filter_map(|record| record.trials.get(trial.row));
+    let floor = |error: fn(&Scores) -> Option<f64>| {
+        let records = results.records.iter().filter(is_counted);
+        statistics::mean(&records.filter_map(|record| error(&rows::floor(record))).collect::<Vec<_>>())
+    };
     let curves = |error: fn(&CurvePoint) -> Option<f64>| -> Vec<Vec<[f64; 2]>> {
         let points = |trial: &Trial| {
             trial.curve.iter().filter_map(|point| Some([point.t_s - trial.case.start_s(), error(point)?])).collect()
         };
         trials().map(points).filter(|curve: &Vec<[f64; 2]>| !curve.is_empty()).collect()
     };
-    let sensor = chapter3::figure_3_9(Learning::Sensor, &curves(|point| point.sensor_rmse_m), floor.sensor_rmse_m);
-    let action =
-        chapter3::figure_3_9(Learning::Action, &curves(|point| point.action_rmse_m_per_s), floor.action_rmse_m_per_s);
+    let sensor =
+        chapter3::figure_3_9(Learning::Sensor, &curves(|point| point.sensor_rmse_m), floor(|it| it.sensor_rmse_m));
+    let action = chapter3::figure_3_9(
+        Learning::Action,
+        &curves(|point| point.action_rmse_m_per_s),
+        floor(|it| it.action_rmse_m_per_s),
+    );
     figures.extend([sensor, action]);
     figures
 }

@@ -1,35 +1,37 @@
 //! Sections 3.2.1 and 3.2.2 of Stronger (2008) on logs: one model out of the other, for Figures 3.5
 //! and 3.6.
 
-use asami_dataset::{Log, Timed};
-use asami_learners::line::Line;
-use asami_math::polynomial::Polynomial;
-use asami_math::regression::least_squares;
+use asami_dataset::{Log, Models, Seed, SensorModel, Timed};
+use asami_learners::{Learned, Learners};
 
 use crate::draw::Figure;
-use crate::draw::axis::cover;
 use crate::draw::chapter3::{figure_3_5a, figure_3_5b, figure_3_6};
-
-const SENSOR_DEGREE: usize = 3;
-const ACTION_DEGREE: usize = 4;
+use crate::scenario::Start;
 
 /// Figures 3.5a, 3.5b and 3.6: `constant` is a log under one action, `pacing` one of walking to and
 /// fro. A figure that the logs do not allow is left out.
 #[must_use]
 pub fn figures(constant: &Log, pacing: &Log) -> Vec<Figure> {
-    let mut figures = Vec::new();
-    let rough = Line::try_from(constant).ok().and_then(|line| {
-        let observed: Vec<[f64; 2]> = line.rows.iter().map(|row| [row.t_s - line.start_s, row.o]).collect();
-        let time_of_height = cubic(observed.iter().map(|[t, o]| (*o, *t)))?;
-        figures.push(figure_3_5a(&observed, &time_of_height));
-        Some(time_of_height)
-    });
-    let cycle = cycle_s(pacing).map(|span_s| pacing.window(span_s)).and_then(|log| Line::try_from(&log).ok());
-    if let Some(cycle) = &cycle {
-        figures.extend(sensor_from_action(cycle));
-        figures.extend(rough.and_then(|rough| action_from_sensor(cycle, &rough)));
-    }
-    figures
+    let rough = learned("sensor_constant_action", constant, &Models::default());
+    let cycle = cycle_s(pacing).map(|span_s| pacing.window(span_s)).unwrap_or_default();
+    let start = Start::C.models().unwrap_or_default();
+    let from_action = learned("sensor_from_action", &cycle, &start);
+    let from_sensor = rough.as_ref().and_then(|rough| learned("action_from_sensor", &cycle, &rough.models));
+    let figures = [
+        rough.and_then(|rough| sensor_from_constant_action(constant, &rough)),
+        from_action.and_then(|learned| sensor_from_action(&cycle, &learned)),
+        from_sensor.map(|learned| figure_3_6(trace(&learned, "w_s"), trace(&learned, "w_a"))),
+    ];
+    figures.into_iter().flatten().collect()
+}
+
+fn learned(learner: &str, log: &Log, given: &Models) -> Option<Learned> {
+    let learner = Learners::default().configured(learner, &Default::default()).ok()?;
+    learner.learn(log, given, &mut Seed(0).stream("report")).ok()
+}
+
+fn trace<'a>(learned: &'a Learned, name: &str) -> &'a [[f64; 2]] {
+    learned.traces.iter().find(|trace| trace.name == name).map_or(&[], |trace| &trace.points)
 }
 
 /// From the first turn towards the beacon to the end of the way back: the first full cycle.
@@ -47,36 +49,29 @@ fn cycle_s(log: &Log) -> Option<std::ops::Range<f64>> {
     (turns.len() > first + 1).then_some(turns[first].0..end_s)
 }
 
-/// The best cubic through `(x, y)` points.
-fn cubic(points: impl Iterator<Item = (f64, f64)> + Clone) -> Option<Polynomial> {
-    let (low, high) = cover(points.clone().map(|point| point.0)).filter(|(low, high)| low < high)?;
-    Some(Polynomial::fit(points, SENSOR_DEGREE, 0.5 * (low + high), 0.5 * (high - low))?.0)
+/// Figure 3.5a out of places S(o) = c t: the command turns them back into times.
+fn sensor_from_constant_action(log: &Log, learned: &Learned) -> Option<Figure> {
+    let Some(SensorModel::DistanceOfHeight(curve)) = &learned.models.sensor else { return None };
+    let c_m_per_s = log.commands.first()?.action.forward_m_per_s()?;
+    let first_s = trace(learned, "w_a").first()?[0];
+    let seen = log.sightings.iter().filter(|sighting| sighting.t_s >= first_s);
+    let observed: Vec<[f64; 2]> = seen.map(|sighting| [sighting.t_s - first_s, sighting.size.value()]).collect();
+    Some(figure_3_5a(&observed, |o| curve.polynomial.at(o) / c_m_per_s))
 }
 
-/// Section 3.2.1: regression of the place that `A(c) = c` gives on the observation.
-fn sensor_from_action(cycle: &Line) -> Option<Figure> {
-    let (mut w_a, mut branches) = (0.0, [Vec::new(), Vec::new()]);
-    for (i, row) in cycle.rows.iter().enumerate() {
-        let pieces = cycle.pieces(i);
-        w_a += pieces.iter().map(|piece| piece.c_m_per_s * piece.dt_s).sum::<f64>();
-        let backward = pieces.last().is_some_and(|piece| piece.c_m_per_s < 0.0);
-        branches[usize::from(backward)].push([row.o, w_a]);
+/// Figure 3.5b: each observation beside its place, by the direction of the command in force.
+fn sensor_from_action(log: &Log, learned: &Learned) -> Option<Figure> {
+    let Some(SensorModel::DistanceOfHeight(curve)) = &learned.models.sensor else { return None };
+    let mut branches = [Vec::new(), Vec::new()];
+    for [t_s, w_a] in trace(learned, "w_a") {
+        let seen = &log.sightings[log.sightings.partition_point(|sighting| sighting.t_s < *t_s)..];
+        let held = log.commands.partition_point(|command| command.t_s < *t_s).saturating_sub(1);
+        let c = log.commands.get(held).and_then(|command| command.action.forward_m_per_s());
+        if let Some(sighting) = seen.first() {
+            branches[usize::from(c.is_some_and(|c| c < 0.0))].push([sighting.size.value(), *w_a]);
+        }
     }
-    let place_of_height = cubic(branches.iter().flatten().map(|[o, w]| (*o, *w)))?;
-    Some(figure_3_5b(&branches[0], &branches[1], &place_of_height))
-}
-
-/// Section 3.2.2: w_s,t = w_0 + sum_j a_j (dt sum_i c_i^j) (eq. 3.2), the place that `sensor` gives
-/// regressed on the cumulated powers of the command.
-fn action_from_sensor(cycle: &Line, sensor: &Polynomial) -> Option<Figure> {
-    let w_s: Vec<[f64; 2]> = cycle.rows.iter().map(|row| [row.t_s, sensor.at(row.o)]).collect();
-    let cumulated = cycle.cumulated_powers(ACTION_DEGREE, cycle.command_scale());
-    let regressors: Vec<Vec<f64>> = cumulated.into_iter().map(|sums| [vec![1.0], sums].concat()).collect();
-    let rows = regressors.iter().zip(&w_s).map(|(x, [_, w])| (x.clone(), *w));
-    let coefficients = least_squares(ACTION_DEGREE + 2, rows).solve()?.coefficients;
-    let place = |x: &Vec<f64>| x.iter().zip(&coefficients).map(|(x, c)| x * c).sum::<f64>();
-    let walked: Vec<[f64; 2]> = w_s.iter().zip(&regressors).map(|([t_s, _], x)| [*t_s, place(x)]).collect();
-    Some(figure_3_6(&w_s, &walked))
+    Some(figure_3_5b(&branches[0], &branches[1], &curve.polynomial))
 }
 
 #[cfg(test)]
@@ -127,8 +122,9 @@ mod tests {
         let names: Vec<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
         assert_eq!(names, ["Figure 3.5a", "Figure 3.5b", "Figure 3.6"]);
         // A straight sensor is a cubic, and four commands leave a quartic free: both fits are exact.
-        for [t, o] in line(&figures[0], "best cubic") {
-            assert!((o - (10.0 + 10.0 * speed(0.2) * t)).abs() < 1e-6);
+        for [t, o] in line(&figures[0], "observations").iter().chain(line(&figures[0], "best cubic")) {
+            // The learner's stretch begins with the second observation.
+            assert!((o - (10.0 + 10.0 * speed(0.2) * (t + 0.05))).abs() < 1e-6);
         }
         let (marks, walked) =
             (line(&figures[2], "by the sensor model"), line(&figures[2], "by the learned action model"));
