@@ -64,15 +64,54 @@ fn report() -> Report {
 /// What would make a browser ask for something outside the file.
 const REFERENCES: [&str; 6] = ["http", "src=", "@import", "url(", "<link", "//cdn"];
 
-#[test]
-fn a_report_refers_to_nothing_outside_itself() {
-    let page = report().html();
+fn assert_stands_alone(page: &str) {
     for reference in REFERENCES {
         assert!(!page.contains(reference), "the report contains {reference:?}");
     }
-    let targets = page.split("href=\"").skip(1).filter_map(|rest| rest.split('"').next());
-    assert!(targets.clone().count() > 1);
-    assert!(targets.into_iter().all(|target| target.starts_with('#') || target.starts_with("data:")));
+    let targets: Vec<&str> = page.split("href=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    assert!(targets.len() > 1);
+    assert!(targets.iter().all(|target| target.starts_with('#') || target.starts_with("data:")), "{targets:?}");
+}
+
+#[test]
+fn a_report_refers_to_nothing_outside_itself() {
+    assert_stands_alone(&report().html());
+}
+
+#[test]
+fn a_sweep_leaves_a_report_that_stands_alone_and_its_figures_as_files() {
+    let dir = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("scenarios/aibo_1d.toml")).unwrap();
+    let short = text.replace("duration_s = 300", "duration_s = 120").replace("duration_s = 150", "duration_s = 60");
+    let scenario = dir.path().join("aibo_1d.toml");
+    std::fs::write(&scenario, short).unwrap();
+    let out = dir.path().join("out");
+    let status = Command::new(env!("CARGO_BIN_EXE_sweep"))
+        .arg(&scenario)
+        .args(["--seeds", "1", "-o"])
+        .arg(&out)
+        .output()
+        .unwrap();
+    assert!(status.status.success(), "{}", String::from_utf8_lossy(&status.stderr));
+
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert_stands_alone(&page);
+    let figures =
+        ["Figure 3.5a", "Figure 3.5b", "Figure 3.6", "Figure 3.7", "Figure 3.9, sensor", "Figure 3.9, action"];
+    for name in figures {
+        assert!(page.contains(&format!("<figcaption><b>{name}.</b>")), "{name} is missing");
+        let file = name.to_lowercase().replace(", ", "_").replace([' ', '.'], "_");
+        let svg = std::fs::read_to_string(out.join(format!("figures/{file}.svg"))).unwrap();
+        assert!(svg.starts_with("<svg xmlns=") && !svg.contains("no data"), "{file}");
+    }
+    for name in ["The walk, side view", "Feet on the ground", "Camera at 1.3 m", "data:image/png;base64,"] {
+        assert!(page.contains(name), "{name} is missing");
+    }
+    if let Some(browser) = chromium() {
+        let dom = dom(browser, &out.join("report.html"), &dir.path().join("profile"));
+        assert!(dom.contains("data-ready="), "scripts did not run");
+    }
 }
 
 #[test]
