@@ -20,7 +20,7 @@ use asami_math::kalman::scalar;
 use asami_math::polynomial::Polynomial;
 
 use crate::canonical::{Canonical, Pair, metres_per_unit};
-use crate::learner::{CannotLearn, Learned, Learner, Verdict, learner};
+use crate::learner::{CannotLearn, Learned, Learner, Trace, Verdict, learner};
 use crate::line::{Line, Unit};
 use posterior::{Data, State};
 use shape::first_shape;
