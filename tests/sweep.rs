@@ -20,7 +20,7 @@ const SCENARIO: &str = r#"
 schema = 1
 about = "Does the machinery work?"
 robot = "aibo"
-duration_s = 120
+duration_s = 150
 seeds = 4
 [[field.beacons]]
 id = 0
@@ -64,7 +64,7 @@ impl Source for Line {
         let mut rng = Seed(case.seed).stream("line");
         let (mut commands, mut sightings) = (Vec::new(), Vec::new());
         let (mut distance_m, mut forward, mut command) = (2.4, true, 0.0);
-        for tick in 0..120 * 20 {
+        for tick in 0..150 * 20 {
             let t_s = f64::from(tick) * 0.05;
             let turns = if forward { distance_m < 1.3 } else { distance_m > 3.5 };
             if turns || tick % 60 == 0 {
@@ -283,4 +283,39 @@ fn a_log_that_cannot_be_made_makes_its_trials_errors() {
     assert!(
         outcome.results.trials().all(|(_, trial)| trial.ending == Ending::Error && trial.reason == "the robot fell")
     );
+}
+
+/// The columns are a contract, and the paper's number stands under ours.
+#[test]
+fn the_table_has_the_agreed_columns_and_the_published_rows() {
+    let folder = tempfile::tempdir().expect("made");
+    let outcome = run(&plan(3), folder.path(), 2);
+    let table = std::fs::read_to_string(folder.path().join("table_3_1.csv")).expect("there");
+    let mut lines = table.lines();
+    let header = "source,learner,starting_model,duration_s,sensor_rmse_mm_mean,sensor_rmse_mm_sd,\
+                  action_rmse_mm_per_s_mean,action_rmse_mm_per_s_sd,converged,trials";
+    assert_eq!(lines.next(), Some(header));
+    let ours = lines.next().expect("a row");
+    assert!(ours.starts_with("asami,algorithm1,c,150.0,") && ours.ends_with(",3,3"), "{ours}");
+    assert_eq!(lines.next(), Some("dissertation,algorithm1,c,150.0,70.4,13.9,29.6,12.4,15,15"));
+    let floors: Vec<&str> = lines.filter(|line| line.contains(",floor,")).collect();
+    assert!(floors[0].starts_with("reference,floor,,,") && floors[0].ends_with(",,,"), "{floors:?}");
+    assert_eq!(floors[1], "dissertation,floor,,,48.8,,17.2,,,");
+
+    // The mean in the table is the mean of the raw rows.
+    let mut reader = csv::Reader::from_path(folder.path().join("trials.csv")).expect("there");
+    let header = reader.headers().expect("a header").iter().collect::<Vec<_>>().join(",");
+    let agreed =
+        "scenario,learner,starting_model,seed,duration_s,converged,sensor_rmse_mm,action_rmse_mm_per_s,scale_ratio";
+    assert!(header.starts_with(agreed), "{header}");
+    let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().expect("a table");
+    let of_first: Vec<f64> = rows[..3].iter().map(|row| row[6].parse().expect("a number")).collect();
+    let mean: f64 = ours.split(',').nth(4).expect("a field").parse().expect("a number");
+    assert!((mean - of_first.iter().sum::<f64>() / 3.0).abs() < 1e-9 * mean);
+
+    // What the file of a learner says is what was scored: read back, it scores the same.
+    let models = asami_dataset::store::read_models(&folder.path().join("models/algorithm1-c-1.toml")).expect("ours").1;
+    let survey = outcome.results.survey.expect("surveyed");
+    let scores = asami::scorer::Yardstick::surveyed(&survey).score(&models);
+    assert_eq!(scores.sensor_rmse_m.map(|metres| metres * 1000.0), Some(of_first[0]));
 }

@@ -27,12 +27,12 @@ pub fn write(results: &Results, out: &Path) -> Result<(), CannotSweep> {
     Ok(())
 }
 
-/// `<learner>-<start>-<case>.toml`; where a learner learns for several durations, they stand in the
+/// `<learner>-<start>-<case>.toml`; a later row of the same learner and start has its duration in the
 /// name too.
 fn models_name(row: &Row, trial: &Trial, results: &Results) -> String {
-    let rows = &results.scenario.rows;
-    let twins = rows.iter().filter(|other| other.label == row.label && other.start == row.start).count();
-    let duration = if twins > 1 { format!("-{}s", row.duration_s) } else { String::new() };
+    let earlier = &results.scenario.rows[..trial.row];
+    let is_later = earlier.iter().any(|other| other.label == row.label && other.start == row.start);
+    let duration = if is_later { format!("-{}s", row.duration_s) } else { String::new() };
     format!("{}-{}-{}{duration}.toml", row.label, row.start.map_or("none", Start::name), trial.case.name())
 }
 
