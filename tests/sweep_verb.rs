@@ -26,10 +26,13 @@ fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// The shipped scenario with logs of seconds.
+/// The shipped scenario with logs of seconds and a survey of a few paces.
 fn short_scenario(folder: &Path) -> PathBuf {
     let text = std::fs::read_to_string(root().join("scenarios/aibo_1d.toml")).expect("shipped");
     let text = text.replace("duration_s = 300", "duration_s = 20").replace("duration_s = 150", "duration_s = 10");
+    let survey = "\n[survey]\ntimings = 1\nspeed_step_m_per_s = 0.15\nslow_time_s = 1.0\ncourse_m = 0.3\nrun_up_s = 0.5\n\
+                  distance_step_m = 1.2\nreadings = 2\n";
+    let text = text.replacen("\n[divergence]", &format!("{survey}\n[divergence]"), 1);
     let path = folder.join("short.toml");
     std::fs::write(&path, text).expect("written");
     path
