@@ -128,7 +128,7 @@ impl Shape {
     }
 
     fn slope_cost(&self) -> f64 {
-        6.0 * (0.05 - self.least_slope).max(0.0)
+        4.0 * (0.02 - self.least_slope).max(0.0)
     }
 
     /// How far the curve is from the one wanted: monotone, from about -200 to 200 mm/s, bent so that a
@@ -167,7 +167,7 @@ const SEARCHED: [(&str, f64, f64); 9] = [
 
 fn search(config: &mut AiboConfig, tries: u32, rng: &mut Rng) -> Result<(), BuildError> {
     // The far ends first: they fail most often.
-    let commands: Vec<f64> = (1..=10).rev().flat_map(|i| [0.03 * f64::from(i), -0.03 * f64::from(i)]).collect();
+    let commands: Vec<f64> = (1..=15).rev().flat_map(|i| [0.02 * f64::from(i), -0.02 * f64::from(i)]).collect();
     let mut least = f64::INFINITY;
     for n in 0..tries {
         let mut other = config.clone();

@@ -6,6 +6,7 @@ use crate::drives::pace::{Pace, Pacing};
 use crate::effects::command_delay::CommandDelay;
 use crate::effects::command_scale::CommandScale;
 use crate::effects::ground_friction::GroundFriction;
+use crate::robots::aibo::config::{Joints, Physics};
 use crate::scenes::field::{Colour, Cylinder, Landmark};
 use crate::world::run;
 
@@ -136,6 +137,24 @@ fn left_and_right_are_mirror_images() {
     let (left, right) = (turned(0.3, 0.0), turned(-0.3, 0.5));
     assert!(left > 0.5, "{left}");
     assert!((left + right).abs() < 0.05 * left, "{left} to the left, {right} to the right");
+}
+
+/// Four times finer steps, and the other kind of joints, walk the same walk to a few per cent.
+#[test]
+fn speed_does_not_hang_on_the_solver() {
+    let speed = |joints: Joints, time_step_s: f64, steps_per_tick: u32, solver_iterations: u32| {
+        let mut config = undisturbed();
+        config.joints = joints;
+        config.physics = Physics { time_step_s, steps_per_tick, solver_iterations, ..config.physics };
+        let action = Hold::forward(0.16).0;
+        let walk = undisturbed_walk(&config, &Effects::default(), Start::default(), action, 4.0);
+        speed_m_per_s(&walk, 1.0)
+    };
+    let nominal = speed(Joints::Multibody, 0.004, 2, 1);
+    let finer = speed(Joints::Multibody, 0.002, 4, 2);
+    let impulse = speed(Joints::Impulse, 0.002, 4, 8);
+    assert!((nominal - finer).abs() < 0.05 * nominal, "{nominal} or {finer} m/s");
+    assert!((nominal - impulse).abs() < 0.15 * nominal, "{nominal} or {impulse} m/s");
 }
 
 #[test]
