@@ -1,0 +1,135 @@
+//! One suite over the whole catalogue of effects: at null an effect changes no bit of a log, off null
+//! it does, and any two of them work together.
+
+use asami_dataset::{Action, Dataset, Rng, Seed};
+use asami_sim::effect::About;
+use asami_sim::effects::{Effects, catalogue};
+use asami_sim::robots::aibo::{AiboConfig, AiboWorld, Start};
+use asami_sim::scenes::field::{Colour, Cylinder, Field, Landmark};
+use asami_sim::sensors::camera::CameraConfig;
+use asami_sim::world::{Drive, Seen, run};
+use rand::RngExt;
+
+/// Long enough for several strides, a change of command and a dozen dozen frames.
+const WALK_S: f64 = 6.0;
+
+fn walk(effects: &Effects, seed: u64) -> Dataset {
+    let bands = [Colour::Pink, Colour::Yellow];
+    let body = Cylinder { x_m: 0.0, y_m: 0.0, radius_m: 0.05, base_m: 0.1, height_m: 0.2, bands };
+    let field = Field { beacons: vec![Landmark { id: 0, body }], clutter: Vec::new() };
+    let start = Start { y_m: -2.0, ..Start::default() };
+    let (config, camera, seed) = (AiboConfig::default(), CameraConfig::default(), Seed(seed));
+    let mut world = AiboWorld::new(&config, &field, &camera, effects, start, seed).expect("the shipped robot");
+    run(&mut world, &mut Wander(seed.stream("drive"), None), WALK_S)
+}
+
+/// Commands in all three directions at once, new every 1.5 s.
+struct Wander(Rng, Option<(f64, Action)>);
+
+impl Drive for Wander {
+    fn act(&mut self, t_s: f64, _seen: &Seen) -> Action {
+        let (since_s, action) = *self.1.get_or_insert_with(|| (t_s, Self::draw(&mut self.0)));
+        if t_s - since_s >= 1.5 {
+            self.1 = None;
+        }
+        action
+    }
+}
+
+impl Wander {
+    fn draw(rng: &mut Rng) -> Action {
+        let [ax_m_per_s, ay_m_per_s, atheta_rad_per_s] =
+            [0.06, 0.2, 0.4].map(|most: f64| most * (2.0 * rng.random::<f64>() - 1.0));
+        Action::Legs { id: None, ax_m_per_s, ay_m_per_s, atheta_rad_per_s }
+    }
+}
+
+/// Of the effects that fit the Aibo, one with every parameter set by `choose`.
+fn set(about: &About, choose: impl Fn(&asami_dataset::parameters::Parameter) -> f64) -> Effects {
+    let mut effects = Effects::default();
+    for parameter in about.parameters {
+        assert!(effects.set(about.name, parameter.name, choose(parameter)), "{}.{}", about.name, parameter.name);
+    }
+    effects
+}
+
+fn of_the_aibo() -> Vec<&'static About> {
+    catalogue().into_iter().filter(|about| about.fits.contains(&"aibo")).collect()
+}
+
+/// The end of a parameter's range that is farther from its null value.
+fn far(parameter: &asami_dataset::parameters::Parameter) -> f64 {
+    let (least, greatest) = parameter.range;
+    if parameter.default - least > greatest - parameter.default { least } else { greatest }
+}
+
+#[test]
+fn the_catalogue_is_complete_and_says_what_it_is() {
+    assert!(catalogue().len() >= 3, "most tests here pass on an empty list");
+    for about in catalogue() {
+        assert!(!about.what.is_empty() && !about.source.is_empty() && !about.fits.is_empty(), "{}", about.name);
+        assert!(!about.parameters.is_empty(), "{}", about.name);
+        for parameter in about.parameters {
+            let (least, greatest) = parameter.range;
+            assert!(least < greatest && (least..=greatest).contains(&parameter.default), "{}", parameter.name);
+            assert!(!parameter.about.is_empty() && !parameter.unit.is_empty(), "{}", parameter.name);
+            let suffix = match parameter.unit {
+                "1" => "",
+                unit => unit,
+            };
+            let tail = suffix.replace('/', "_per_").replace('^', "");
+            assert!(parameter.name.ends_with(&tail), "{} carries no unit {}", parameter.name, parameter.unit);
+        }
+        let null = set(about, |parameter| parameter.default);
+        assert!(null.iter().all(asami_sim::effect::Effect::is_null), "{}", about.name);
+        assert_eq!(null.iter().count(), 1, "{}", about.name);
+        assert_eq!(null.without(about.name), Effects::default(), "{}", about.name);
+        assert!(!Effects::default().set(about.name, "no_such_parameter", 0.0), "{}", about.name);
+    }
+}
+
+#[test]
+fn at_null_no_bit_changes_and_off_null_the_log_does() {
+    let nominal = walk(&Effects::default(), 1);
+    for about in of_the_aibo() {
+        let null = walk(&set(about, |parameter| parameter.default), 1);
+        assert!(null == nominal, "{} at null changes the log", about.name);
+        let mut effects = set(about, |parameter| parameter.default);
+        for parameter in about.parameters {
+            effects.set(about.name, parameter.name, far(parameter));
+            assert!(walk(&effects, 1) != nominal, "{}.{} changes nothing", about.name, parameter.name);
+            effects.set(about.name, parameter.name, parameter.default);
+        }
+    }
+}
+
+#[test]
+fn any_two_effects_work_together() {
+    let all = of_the_aibo();
+    for (i, one) in all.iter().enumerate() {
+        for other in &all[i + 1..] {
+            let mut both = set(one, far);
+            for parameter in other.parameters {
+                both.set(other.name, parameter.name, far(parameter));
+            }
+            let dataset = walk(&both, 2);
+            assert!(!dataset.log.sightings.is_empty(), "{} and {}", one.name, other.name);
+            let finite = dataset.truth.track.iter().all(|pose| (pose.x_m + pose.y_m + pose.theta_rad).is_finite());
+            assert!(finite, "{} and {}", one.name, other.name);
+            assert!(dataset != walk(&set(one, far), 2), "{} hides {}", one.name, other.name);
+        }
+    }
+}
+
+/// One effect's draws leave every other stream alone: the commands are the same with and without it.
+#[test]
+fn switching_an_effect_on_leaves_the_policys_draws_alone() {
+    let speeds = |effects: &Effects| -> Vec<f64> {
+        let log = walk(effects, 3).log;
+        log.commands.iter().filter_map(|row| row.action.forward_m_per_s()).collect()
+    };
+    let nominal = speeds(&Effects::default());
+    for about in of_the_aibo() {
+        assert_eq!(speeds(&set(about, far)), nominal, "{}", about.name);
+    }
+}
