@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
-use asami_dataset::{Dataset, Models, Seed, store};
+use asami_dataset::{ActionModel, Dataset, Models, Seed, SensorModel, store};
 use asami_learners::{Learned, Learner};
 use serde::{Deserialize, Serialize};
 
@@ -79,6 +79,10 @@ pub struct Trial {
     pub lacks: Vec<String>,
     /// Against the truth.
     pub scores: Scores,
+    /// Degree of the learned sensor model, if it is a polynomial.
+    pub sensor_degree: Option<usize>,
+    /// Degree of the learned action model, if it is a polynomial.
+    pub action_degree: Option<usize>,
     /// Passes over the data, of a method that iterates.
     pub iterations: Option<u32>,
     /// What was learned, as a `models.toml`; `None` if nothing was.
@@ -145,6 +149,8 @@ fn blank(row: usize, case: Case) -> Trial {
         reason: String::new(),
         lacks: Vec::new(),
         scores: Scores::default(),
+        sensor_degree: None,
+        action_degree: None,
         iterations: None,
         models: None,
         curve: Vec::new(),
@@ -184,6 +190,8 @@ fn judged(setting: Setting<'_>, learned: Learned, yardstick: &Yardstick, blank: 
         reason: faults.join("; "),
         lacks: learned.lacks.iter().map(ToString::to_string).collect(),
         scores,
+        sensor_degree: sensor_degree(&learned.models),
+        action_degree: action_degree(&learned.models),
         iterations: learned.iterations,
         // What the format refuses, numbers that are none above all, is worth no file.
         models: store::models_text(&setting.row.label, &learned.models).ok(),
@@ -201,6 +209,22 @@ fn faults(learned: &Learned, scores: &Scores, yardstick: &Yardstick, divergence:
     }
     faults.extend(yardstick.faults(&learned.models, scores, divergence.r2_min));
     faults
+}
+
+fn sensor_degree(models: &Models) -> Option<usize> {
+    match models.sensor.as_ref()? {
+        SensorModel::HeightOfDistance(curve)
+        | SensorModel::DistanceOfHeight(curve)
+        | SensorModel::RangeOfDistance(curve) => Some(curve.polynomial.degree()),
+        SensorModel::Angles { .. } => None,
+    }
+}
+
+fn action_degree(models: &Models) -> Option<usize> {
+    match models.action.as_ref()? {
+        ActionModel::Polynomial(curve) => Some(curve.polynomial.degree()),
+        ActionModel::Sign | ActionModel::Table(_) | ActionModel::Car { .. } => None,
+    }
 }
 
 fn curve_point(step: &asami_learners::Step, yardstick: &Yardstick) -> Option<CurvePoint> {

@@ -277,7 +277,6 @@ impl Scenario {
         bearing.expect.clear();
         if let Origin::Simulated(simulation) = &mut bearing.origin {
             simulation.seeds = 0;
-            simulation.first_seed = 0;
         }
         // Serialising to memory fails only for maps with keys that are no strings: there are none.
         let bytes = serde_json::to_vec(&bearing).unwrap_or_default();

@@ -20,6 +20,10 @@ pub struct Published {
     pub converged: Option<u32>,
     /// Of how many.
     pub trials: Option<u32>,
+    /// Mean and standard deviation of `| |k|/|b| - 1 |`.
+    pub scale_difference: Option<(f64, Option<f64>)>,
+    /// Mean and standard deviation of the sensor model's degree, where it is chosen on the way.
+    pub sensor_degree: Option<(f64, Option<f64>)>,
     /// Where it is printed.
     pub place: &'static str,
 }
@@ -34,6 +38,8 @@ pub const CHAPTER_3: &[Published] = &[
         action_rmse_mm_per_s: Some((29.6, Some(12.4))),
         converged: Some(15),
         trials: Some(15),
+        scale_difference: Some((0.08, Some(0.06))),
+        sensor_degree: None,
         place: "Table 3.1, row 1; section 3.3.2",
     },
     Published {
@@ -44,6 +50,8 @@ pub const CHAPTER_3: &[Published] = &[
         action_rmse_mm_per_s: Some((31.3, Some(9.2))),
         converged: Some(15),
         trials: Some(15),
+        scale_difference: None,
+        sensor_degree: None,
         place: "Table 3.1, row 2; section 3.3.3",
     },
     Published {
@@ -54,6 +62,8 @@ pub const CHAPTER_3: &[Published] = &[
         action_rmse_mm_per_s: Some((27.3, Some(6.2))),
         converged: Some(10),
         trials: Some(15),
+        scale_difference: None,
+        sensor_degree: None,
         place: "Table 3.1, row 3; section 3.3.3",
     },
     Published {
@@ -64,6 +74,8 @@ pub const CHAPTER_3: &[Published] = &[
         action_rmse_mm_per_s: None,
         converged: None,
         trials: Some(15),
+        scale_difference: None,
+        sensor_degree: Some((3.33, Some(1.29))),
         place: "section 3.3.3, Polynomial Degree Selection",
     },
     Published {
@@ -74,6 +86,8 @@ pub const CHAPTER_3: &[Published] = &[
         action_rmse_mm_per_s: Some((17.2, None)),
         converged: None,
         trials: None,
+        scale_difference: None,
+        sensor_degree: None,
         place: "section 3.3.2: best cubic and best quartic",
     },
     Published {
@@ -84,6 +98,8 @@ pub const CHAPTER_3: &[Published] = &[
         action_rmse_mm_per_s: Some((43.0, None)),
         converged: None,
         trials: None,
+        scale_difference: None,
+        sensor_degree: None,
         place: "section 3.3.2: A0(c) = c as it is",
     },
 ];

@@ -47,7 +47,8 @@ pub fn trials(results: &Results) -> String {
         text.push_str(",window_start_s,overlapping");
     }
     text.push_str(
-        ",floor_sensor_rmse_mm,floor_action_rmse_mm_per_s,sensor_r2,action_r2,sensor_scale,action_scale,iterations,\
+        ",floor_sensor_rmse_mm,floor_action_rmse_mm_per_s,sensor_r2,action_r2,sensor_scale,action_scale,sensor_degree,action_degree,\
+         iterations,\
          verdict,reason\n",
     );
     for (record, trial) in results.trials() {
@@ -71,6 +72,8 @@ pub fn trials(results: &Results) -> String {
         fields.extend([millimetres(floor.sensor_rmse_m), millimetres(floor.action_rmse_m_per_s)]);
         let rest = [scores.sensor_r2, scores.action_r2, scores.sensor_scale, scores.action_scale];
         fields.extend(rest.map(optional));
+        fields
+            .extend([trial.sensor_degree, trial.action_degree].map(|n| n.map_or_else(String::new, |n| n.to_string())));
         fields.push(trial.iterations.map_or_else(String::new, |n| n.to_string()));
         fields.extend([trial.ending.name().to_owned(), quoted(&trial.reason)]);
         text.push_str(&fields.join(","));

@@ -37,6 +37,8 @@ pub struct Summary {
     pub action_rmse_m_per_s: Option<Spread>,
     /// `| |k|/|b| - 1 |` (section 3.3.2).
     pub scale_difference: Option<Spread>,
+    /// Degree of the sensor model.
+    pub sensor_degree: Option<Spread>,
     /// How many trials converged.
     pub converged: usize,
     /// Of how many.
@@ -73,17 +75,17 @@ pub fn counted(results: &Results) -> impl Iterator<Item = &Record> {
 
 fn summary(results: &Results, row: usize) -> Summary {
     let trials: Vec<&Trial> = counted(results).filter_map(|record| record.trials.get(row)).collect();
-    let converged: Vec<&Scores> =
-        trials.iter().filter(|trial| trial.ending == Ending::Converged).map(|trial| &trial.scores).collect();
-    let of = |name: &str, value: fn(&Scores) -> Option<f64>| {
-        let values: Vec<f64> = converged.iter().filter_map(|scores| value(scores)).collect();
+    let converged: Vec<&Trial> = trials.iter().copied().filter(|trial| trial.ending == Ending::Converged).collect();
+    let of = |name: &str, value: fn(&Trial) -> Option<f64>| {
+        let values: Vec<f64> = converged.iter().filter_map(|trial| value(trial)).collect();
         spread(&values, &format!("bootstrap/{}/{name}", stream_name(&results.scenario.rows[row])))
     };
     Summary {
         row,
-        sensor_rmse_m: of("sensor", |scores| scores.sensor_rmse_m),
-        action_rmse_m_per_s: of("action", |scores| scores.action_rmse_m_per_s),
-        scale_difference: of("scale", |scores| scores.scale_ratio().map(|ratio| (ratio - 1.0).abs())),
+        sensor_rmse_m: of("sensor", |trial| trial.scores.sensor_rmse_m),
+        action_rmse_m_per_s: of("action", |trial| trial.scores.action_rmse_m_per_s),
+        scale_difference: of("scale", |trial| trial.scores.scale_ratio().map(|ratio| (ratio - 1.0).abs())),
+        sensor_degree: of("degree", |trial| trial.sensor_degree.map(|degree| degree as f64)),
         converged: converged.len(),
         trials: trials.len(),
     }

@@ -7,7 +7,7 @@ use super::Results;
 use super::published::{CHAPTER_3, Published};
 use super::rows::optional;
 use super::summary::{Comparison, Spread, Summary, counted};
-use crate::scenario::Start;
+use crate::scenario::{Row, Start};
 use crate::scorer::Scores;
 
 /// Whose numbers a line holds.
@@ -64,10 +64,7 @@ pub struct Line {
 pub fn lines(results: &Results, summaries: &[Summary]) -> Vec<Line> {
     let mut lines = Vec::new();
     for (row, summary) in results.scenario.rows.iter().zip(summaries) {
-        let published = CHAPTER_3.iter().find(|published| {
-            let is_row = published.learner == row.label && published.start == row.start;
-            is_row && published.duration_s == Some(row.duration_s)
-        });
+        let published = published(row);
         lines.push(Line {
             whose: Whose::Asami,
             learner: row.label.clone(),
@@ -87,6 +84,38 @@ pub fn lines(results: &Results, summaries: &[Summary]) -> Vec<Line> {
         lines.extend(published.map(printed));
     }
     lines
+}
+
+fn published(row: &Row) -> Option<&'static Published> {
+    CHAPTER_3.iter().find(|published| {
+        let is_row = published.learner == row.label && published.start == row.start;
+        is_row && published.duration_s == Some(row.duration_s)
+    })
+}
+
+/// What the dissertation prints beside its table, with ours: a sentence each.
+#[must_use]
+pub fn remarks(results: &Results, summaries: &[Summary]) -> Vec<String> {
+    let mut remarks = Vec::new();
+    for (row, summary) in results.scenario.rows.iter().zip(summaries) {
+        let Some(published) = published(row) else { continue };
+        let name = format!("{} {}, {} s", row.label, row.start.map_or("", Start::name), row.duration_s);
+        let quantities = [
+            ("| |k|/|b| - 1 |", &summary.scale_difference, published.scale_difference),
+            ("degree of the sensor model", &summary.sensor_degree, published.sensor_degree),
+        ];
+        for (quantity, ours, printed) in quantities {
+            if let (Some(ours), Some(printed)) = (ours, printed) {
+                let (ours, printed) = (shown((ours.mean, ours.sd), 2), shown(printed, 2));
+                remarks.push(format!("{name}: {quantity} {ours}; dissertation {printed} ({})", published.place));
+            }
+        }
+    }
+    remarks
+}
+
+fn shown((mean, sd): MeanSd, decimals: usize) -> String {
+    sd.map_or_else(|| format!("{mean:.decimals$}"), |sd| format!("{mean:.decimals$} ± {sd:.decimals$}"))
 }
 
 fn in_millimetres(spread: &Spread) -> MeanSd {
@@ -178,6 +207,7 @@ pub fn statistics_csv(results: &Results, summaries: &[Summary]) -> String {
             ("sensor_rmse,mm", 1000.0, &summary.sensor_rmse_m),
             ("action_rmse,mm/s", 1000.0, &summary.action_rmse_m_per_s),
             ("scale_difference,1", 1.0, &summary.scale_difference),
+            ("sensor_degree,1", 1.0, &summary.sensor_degree),
         ];
         for (name, unit, spread) in quantities {
             let Some(spread) = spread else { continue };

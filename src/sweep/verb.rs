@@ -137,6 +137,9 @@ impl Outcome {
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!("{}\n\n{}", self.results.scenario.about, table::plain(&self.lines));
+        for remark in table::remarks(&self.results, &self.summaries) {
+            text.push_str(&format!("\n{remark}"));
+        }
         for it in &self.comparisons {
             let name = |row: usize| {
                 let row = &self.results.scenario.rows[row];
