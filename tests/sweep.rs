@@ -319,3 +319,15 @@ fn the_table_has_the_agreed_columns_and_the_published_rows() {
     let scores = asami::scorer::Yardstick::surveyed(&survey).score(&models);
     assert_eq!(scores.sensor_rmse_m.map(|metres| metres * 1000.0), Some(of_first[0]));
 }
+
+#[test]
+fn an_answer_that_was_not_expected_is_said_to_be_so() {
+    let folder = tempfile::tempdir().expect("made");
+    let text =
+        SCENARIO.replace("converged_share_min = 1.0", "converged_share_max = 0.5").replace("max = 5.0", "max = 1.0");
+    let scenario = scenario::parse("line", "line.toml", &text).expect("sound");
+    let outcome = run(&Plan { scenario, ..plan(2) }, folder.path(), 2);
+    assert_eq!(outcome.verdicts.iter().map(|verdict| verdict.holds).collect::<Vec<_>>(), [false, false]);
+    let said = "NOT as expected: algorithm1 from c, 150 s: at most 50 % converge (2 of 2)";
+    assert!(outcome.text().contains(said), "{}", outcome.text());
+}
