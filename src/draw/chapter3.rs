@@ -155,8 +155,8 @@ pub fn figure_3_9(which: Learning, curves: &[Vec<[f64; 2]>], floor: Option<f64>)
         figure = figure.y_range(0.0, top.min(highest).max(1.3 * lowest));
     }
     figure.caption(
-        "Errors after scaling, against what was measured. Good: they fall towards the dotted line and stay there; nothing \
-         of the same degree can be better. Errors of the first seconds may lie above the frame.",
+        "Errors after scaling, against what was measured. Good: they fall towards the dotted line and stay there; \
+         nothing of the same degree can be better. Errors of the first seconds may lie above the frame.",
     )
 }
 

@@ -12,8 +12,6 @@ pub enum Mark {
     Cross,
     /// A filled dot.
     Dot,
-    /// An open circle.
-    Circle,
 }
 
 /// The stroke of a line.

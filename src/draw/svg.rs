@@ -189,7 +189,6 @@ fn marks(mark: Mark, places: impl Iterator<Item = (f64, f64)>, colour: usize, ou
             Mark::Plus => write!(path, "M{} {}h6m-3 -3v6", px(x - 3.0), px(y)),
             Mark::Cross => write!(path, "M{} {}l5 5m0 -5l-5 5", px(x - 2.5), px(y - 2.5)),
             Mark::Dot => write!(path, "M{} {}a2.6 2.6 0 1 0 5.2 0a2.6 2.6 0 1 0 -5.2 0", px(x - 2.6), px(y)),
-            Mark::Circle => write!(path, "M{} {}a3.2 3.2 0 1 0 6.4 0a3.2 3.2 0 1 0 -6.4 0", px(x - 3.2), px(y)),
         };
     }
     match mark {

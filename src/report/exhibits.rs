@@ -115,9 +115,9 @@ impl Approach {
             name: "The walk, side view".to_owned(),
             title: format!("Walking at a commanded {} mm/s, frame by frame", 1e3 * COMMAND_M_PER_S),
             caption: "Poses of the body as the physics engine has them, one camera frame apart, right side in front; \
-                      dots are feet that press on the ground. Good: diagonal legs move together, the body stays level, \
-                      and feet leave the ground between steps. A body that sinks or feet that never lift ask for a look \
-                      at the gait."
+                      dots are feet that press on the ground. Good: diagonal legs move together, the body stays \
+                      level, and feet leave the ground between steps. A body that sinks or feet that never lift ask \
+                      for a look at the gait."
                 .to_owned(),
             poses: steady.map(|outline| self.pose(outline)).collect(),
         }
@@ -145,8 +145,8 @@ impl Approach {
         let steady = |contacts: &&Contacts| (STEADY_S..STEADY_S + 3.0).contains(&contacts.t_s);
         let samples: Vec<_> = self.watch.contacts.iter().filter(steady).map(|it| (it.t_s, it.down)).collect();
         contacts("Feet on the ground", "Which foot stands when", &samples).caption(
-            "Contact of each foot with the ground, as the physics engine finds it; diagonals have one colour. Good: the \
-             two diagonals take turns, as in a trot. Bars in splinters are feet that bounce or scrape.",
+            "Contact of each foot with the ground, as the physics engine finds it; diagonals have one colour. Good: \
+             the two diagonals take turns, as in a trot. Bars in splinters are feet that bounce or scrape.",
         )
     }
 }

@@ -59,9 +59,6 @@ fn block_into(block: &Block, plates: &mut usize, out: &mut String) {
         Block::Text(text) => {
             let _ = writeln!(out, "<p>{}</p>", inline(text));
         }
-        Block::Listing(lines) => {
-            let _ = writeln!(out, "<pre>{}</pre>", escape(lines));
-        }
         Block::Table(table) => table_into(table, out),
         Block::Plates(row) => {
             let _ = writeln!(out, "<div class=\"plates of{}\">", row.len().min(3));
@@ -171,7 +168,7 @@ mod tests {
             crate::draw::Mark::Dot,
             [[0.0, 1.0]],
         );
-        let section = Section::new(evil).text(evil).listing(evil).table(table).figure(&figure);
+        let section = Section::new(evil).text(evil).table(table).figure(&figure);
         let page = Report::new(evil, evil).answer(evil).section(section).footnote(evil).made_with(evil, evil).html();
         // One script of the page's own and one of data: nothing of what was put in.
         assert_eq!(page.matches("<script").count(), 2);

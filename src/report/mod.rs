@@ -68,7 +68,6 @@ impl From<&Strip> for Plate {
 #[derive(Clone, Debug)]
 enum Block {
     Text(String),
-    Listing(String),
     Table(Table),
     Plates(Vec<Plate>),
 }
@@ -99,13 +98,6 @@ impl Section {
     #[must_use]
     pub fn text(mut self, text: impl Into<String>) -> Self {
         self.blocks.push(Block::Text(text.into()));
-        self
-    }
-
-    /// Adds lines as they are, in a fixed-width face.
-    #[must_use]
-    pub fn listing(mut self, lines: impl Into<String>) -> Self {
-        self.blocks.push(Block::Listing(lines.into()));
         self
     }
 

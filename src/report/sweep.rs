@@ -6,7 +6,7 @@ use asami_dataset::Survey;
 
 use super::both_at_once;
 use super::exhibits::Exhibits;
-use super::{Cell, Plate, Report, RowKind, Section, Table};
+use super::{CannotWrite, Cell, Plate, Report, RowKind, Section, Table};
 use crate::draw::Figure;
 use crate::draw::chapter3;
 use crate::scenario::{Origin, Start};
@@ -25,7 +25,8 @@ use crate::trial::Ending;
 pub fn write(outcome: &Outcome, exhibits: &Exhibits, program: &str, out: &Path) -> Result<(), CannotSweep> {
     let manifest = manifest::manifest(&outcome.results, program);
     let (report, figures) = report(outcome, &manifest, exhibits);
-    write_whole(&out.join("report.html"), report.html().as_bytes())?;
+    let failed = |error: CannotWrite| CannotSweep::file("write", &error.path)(error.source);
+    report.write(&out.join("report.html")).map_err(failed)?;
     let folder = out.join("figures");
     std::fs::create_dir_all(&folder).map_err(CannotSweep::file("make", &folder))?;
     for figure in figures {
@@ -62,8 +63,9 @@ pub fn report(outcome: &Outcome, manifest: &Manifest, exhibits: &Exhibits) -> (R
     }
     report = report.section(trials_section(outcome)).footnote(
         "Errors are root mean squares after the published scaling (Stronger 2008, section 3.3.2): action models as \
-         k A(c) with the best k, sensor models as a + b S(o) with the best a and b. The scale difference is | |k| / |b| - 1 |: 0 if both models are in one unit of length; the \
-         dissertation's is 0.08 \u{b1} 0.06 for Algorithm 1 from A0(c) = c.",
+         k A(c) with the best k, sensor models as a + b S(o) with the best a and b. The scale difference is \
+         | |k| / |b| - 1 |: 0 if both models are in one unit of length; the dissertation's is 0.08 \u{b1} 0.06 for \
+         Algorithm 1 from A0(c) = c.",
     );
     let figures = exhibits.single.iter().chain(&both).cloned().chain(speed_figure(outcome)).collect();
     (made_with(report, manifest), figures)
@@ -95,13 +97,20 @@ fn answer(outcome: &Outcome) -> String {
     format!("{}{expected}", found.unwrap_or_default())
 }
 
-fn in_words(start: Start) -> &'static str {
+fn in_words(start: Start) -> String {
     match start {
-        Start::C => "A0(c) = c",
-        Start::Sgn => "A0(c) = Sgn(c)",
-        Start::One => "A0(c) = 1",
-        Start::ReferenceQuartic => "the best quartic",
-        Start::ReferenceCubic => "the best cubic",
+        Start::C | Start::Sgn | Start::One => format!("A0(c) = {}", in_a_cell(start)),
+        Start::ReferenceQuartic | Start::ReferenceCubic => format!("the {}", in_a_cell(start)),
+    }
+}
+
+fn in_a_cell(start: Start) -> &'static str {
+    match start {
+        Start::C => "c",
+        Start::Sgn => "Sgn(c)",
+        Start::One => "1",
+        Start::ReferenceQuartic => "best quartic",
+        Start::ReferenceCubic => "best cubic",
     }
 }
 
@@ -113,7 +122,7 @@ fn table_section(outcome: &Outcome) -> Section {
     let heads = [
         "source",
         "learner",
-        "starting model",
+        "A0(c)",
         "time (s)",
         "sensor error (mm)",
         "action error (mm/s)",
@@ -121,10 +130,11 @@ fn table_section(outcome: &Outcome) -> Section {
         "converged",
     ];
     let table = Table::new("Table 3.1", &heads).caption(
-        "Mean \u{b1} standard deviation over the trials that converged, the dissertation's rows under ours. Rows marked \
-         `reference` need the truth: `floor` is the best polynomial of the same degree, `unlearned` a starting model as \
-         it is. Good: close to the floor, and far below the unlearned model. Point at an error for median, \
-         interquartile mean and a bootstrap interval; click on a head to sort.",
+        "Mean \u{b1} standard deviation over the trials that converged, the dissertation's rows under ours. A0(c) is \
+         the model that a learner starts from. Rows marked `reference` need the truth: `floor` is the best polynomial \
+         of the same degree, `unlearned` a starting model as it is. Good: close to the floor, and far below the \
+         unlearned model. Point at an error for median, interquartile mean and a bootstrap interval; click on a head \
+         to sort.",
     );
     let section = match outcome.results.scenario.origin {
         Origin::Simulated(_) => Section::new("Table 3.1"),
@@ -154,7 +164,7 @@ fn cells(line: &Line) -> [Cell; 8] {
     [
         line.whose.name().into(),
         line.learner.as_str().into(),
-        line.start.map_or("", in_words).into(),
+        line.start.map_or("", in_a_cell).into(),
         line.duration_s.map_or_else(Cell::default, |duration_s| Cell::number(duration_s, 0)),
         mean_sd_cell(line.sensor_rmse_mm).hint(hint(spread(|it| it.sensor_rmse_m.as_ref()))),
         mean_sd_cell(line.action_rmse_mm_per_s).hint(hint(spread(|it| it.action_rmse_m_per_s.as_ref()))),
@@ -283,8 +293,7 @@ fn survey_sections(survey: &Survey) -> Option<Section> {
 }
 
 fn trials_section(outcome: &Outcome) -> Section {
-    let heads =
-        ["learner", "starting model", "time (s)", "log", "sensor error (mm)", "action error (mm/s)", "ended", "why"];
+    let heads = ["learner", "A0(c)", "time (s)", "log", "sensor error (mm)", "action error (mm/s)", "ended", "why"];
     let table = Table::new("Every trial", &heads).caption(
         "One row for each trial, as in `trials.csv`, where all digits are. Sort by an error to find the odd ones.",
     );
@@ -296,7 +305,7 @@ fn trials_section(outcome: &Outcome) -> Section {
             kind,
             [
                 row.label.as_str().into(),
-                row.start.map_or("", in_words).into(),
+                row.start.map_or("", in_a_cell).into(),
                 Cell::number(row.duration_s, 0),
                 record.case.name().into(),
                 number(trial.scores.sensor_rmse_m),
