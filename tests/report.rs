@@ -84,6 +84,10 @@ fn a_sweep_leaves_a_report_that_stands_alone_and_its_figures_as_files() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(root.join("scenarios/aibo_1d.toml")).unwrap();
     let short = text.replace("duration_s = 300", "duration_s = 120").replace("duration_s = 150", "duration_s = 60");
+    // A survey of a few paces: the whole one takes as long as the sweep.
+    let survey = "\n[survey]\ntimings = 1\nspeed_step_m_per_s = 0.15\nslow_time_s = 1.0\ncourse_m = 0.3\nrun_up_s = 0.5\n\
+                  distance_step_m = 1.2\nreadings = 2\n\n[divergence]";
+    let short = short.replacen("\n[divergence]", survey, 1);
     let scenario = dir.path().join("aibo_1d.toml");
     std::fs::write(&scenario, short).unwrap();
     let out = dir.path().join("out");
@@ -97,8 +101,17 @@ fn a_sweep_leaves_a_report_that_stands_alone_and_its_figures_as_files() {
 
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert_stands_alone(&page);
-    let figures =
-        ["Figure 3.5a", "Figure 3.5b", "Figure 3.6", "Figure 3.7", "Figure 3.9, sensor", "Figure 3.9, action"];
+    let figures = [
+        "Figure 3.5a",
+        "Figure 3.5b",
+        "Figure 3.6",
+        "Figure 3.7",
+        "Figure 3.8a",
+        "Figure 3.8b",
+        "Figure 3.9, sensor",
+        "Figure 3.9, action",
+        "Speed",
+    ];
     for name in figures {
         assert!(page.contains(&format!("<figcaption><b>{name}.</b>")), "{name} is missing");
         let file = name.to_lowercase().replace(", ", "_").replace([' ', '.'], "_");
