@@ -14,7 +14,7 @@ use crate::sweep::CannotSweep;
 use crate::sweep::cases::write_whole;
 use crate::sweep::manifest::{self, Manifest};
 use crate::sweep::summary::Spread;
-use crate::sweep::table::{Line, MeanSd, Whose};
+use crate::sweep::table::{self, Line, MeanSd, Whose};
 use crate::sweep::verb::Outcome;
 use crate::trial::Ending;
 
@@ -64,8 +64,7 @@ pub fn report(outcome: &Outcome, manifest: &Manifest, exhibits: &Exhibits) -> (R
     report = report.section(trials_section(outcome)).footnote(
         "Errors are root mean squares after the published scaling (Stronger 2008, section 3.3.2): action models as \
          k A(c) with the best k, sensor models as a + b S(o) with the best a and b. The scale difference is \
-         | |k| / |b| - 1 |: 0 if both models are in one unit of length; the dissertation's is 0.08 \u{b1} 0.06 for \
-         Algorithm 1 from A0(c) = c.",
+         | |k| / |b| - 1 |: 0 if both models are in one unit of length.",
     );
     let figures = exhibits.single.iter().chain(&both).cloned().chain(speed_figure(outcome)).collect();
     (made_with(report, manifest), figures)
@@ -141,14 +140,16 @@ fn table_section(outcome: &Outcome) -> Section {
         Origin::Recorded(_) => Section::new("Table 3.1, on a recorded log")
             .text("The dissertation's rows are of its Aibo: another robot, on another range of distances and speeds."),
     };
-    section.table(outcome.lines.iter().fold(table, |table, line| {
+    let section = section.table(outcome.lines.iter().fold(table, |table, line| {
         let kind = match line.whose {
             Whose::Asami => RowKind::Ours,
             Whose::Reference => RowKind::Reference,
             Whose::Dissertation => RowKind::Published,
         };
         table.row(kind, cells(line))
-    }))
+    }));
+    let remarks = table::remarks(&outcome.results, &outcome.summaries);
+    remarks.into_iter().fold(section, Section::text)
 }
 
 fn cells(line: &Line) -> [Cell; 8] {
