@@ -42,21 +42,21 @@ asami_dataset::parameters! {
         /// One stride of a leg.
         period_s: f64 = 0.3636, "s", 0.1..=2.0;
         /// Share of the period that a foot is on the ground.
-        duty: f64 = 0.5539, "1", 0.3..=0.9;
+        duty: f64 = 0.5526, "1", 0.3..=0.9;
         /// Height of a full stride.
-        lift_m: f64 = 0.0332, "m", 0.0..=0.08;
+        lift_m: f64 = 0.034, "m", 0.0..=0.08;
         /// Fore hips above the fore feet's centres.
-        fore_height_m: f64 = 0.1064, "m", 0.03..=0.14;
+        fore_height_m: f64 = 0.1074, "m", 0.03..=0.14;
         /// Hind hips above the hind feet's centres.
-        hind_height_m: f64 = 0.0913, "m", 0.03..=0.145;
+        hind_height_m: f64 = 0.0866, "m", 0.03..=0.145;
         /// Fore feet at rest, before their hips.
-        fore_offset_m: f64 = 0.0317, "m", -0.08..=0.08;
+        fore_offset_m: f64 = 0.0307, "m", -0.08..=0.08;
         /// Hind feet at rest, before their hips.
         hind_offset_m: f64 = -0.0282, "m", -0.08..=0.08;
         /// Feet at rest, outward of their hips.
         outward_offset_m: f64 = 0.0, "m", -0.01..=0.05;
         /// How a lifted foot moves forward: 0 at even speed, 1 starting and ending at rest.
-        swing_easing: f64 = 0.0675, "1", 0.0..=1.0;
+        swing_easing: f64 = 0.1542, "1", 0.0..=1.0;
         /// Time constant with which the attempted velocity follows the command.
         command_lag_s: f64 = 0.12, "s", 0.0..=2.0;
         /// Attempted speed from which strides are lifted fully; below, the lift shrinks with it.

@@ -194,3 +194,24 @@ fn paces_before_the_beacon_without_falling_or_turning_away() {
         assert!(bearing_rad.abs() < 10f64.to_radians(), "{bearing_rad} at {}", pose.t_s);
     }
 }
+
+/// A trot: diagonal feet together, each on the ground for about its share of the stride.
+#[test]
+fn diagonal_feet_step_together() {
+    let mut world = aibo(&Effects::default(), 1000);
+    world.watch();
+    run(&mut world, &mut Hold::forward(0.12), 4.0);
+    let contacts = &world.watched().expect("watched").contacts[250..];
+    let share = |holds: &dyn Fn(&[bool; 4]) -> bool| {
+        contacts.iter().filter(|row| holds(&row.down)).count() as f64 / contacts.len() as f64
+    };
+    for foot in 0..4 {
+        let down = share(&|feet| feet[foot]);
+        assert!((0.4..0.8).contains(&down), "foot {foot} is down for {down} of the time");
+    }
+    for [diagonal, beside] in [[[0, 3], [0, 1]], [[1, 2], [2, 3]]] {
+        let together = share(&|feet| feet[diagonal[0]] == feet[diagonal[1]]);
+        let abreast = share(&|feet| feet[beside[0]] == feet[beside[1]]);
+        assert!(together > 2.0 * abreast, "{together} together, {abreast} abreast");
+    }
+}
