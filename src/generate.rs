@@ -6,6 +6,8 @@ use asami_sim::effects::{Effects, catalogue};
 
 use crate::scenario::fault::nearest;
 use crate::scenario::{Origin, Scenario, check};
+use crate::survey;
+use crate::sweep::manifest::repository;
 
 /// `NAME.PARAM=VALUE`: a parameter of an effect.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,6 +88,10 @@ pub fn generate(scenario: &Scenario, settings: &[Setting], seed: Seed) -> Result
     known.nominal = Some(scenario.name.clone());
     dataset.log.known = known.into();
     dataset.provenance = Some(scenario.provenance(seed));
+    // A survey takes minutes: a data set has one where one of this very world, effects and all, is kept.
+    let folders = ["results/reference", "results"].map(|results| repository().join(results).join(&scenario.name));
+    let key = survey::key(&simulation).map_err(|error| CannotGenerate::World(error.to_string()))?;
+    dataset.truth.survey = survey::kept(&key, &folders);
     Ok(dataset)
 }
 

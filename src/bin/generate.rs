@@ -42,6 +42,9 @@ fn main() -> ExitCode {
         store::write(&dataset, &output).map_err(verb::plain)?;
         let (sightings, frames) = (dataset.log.sightings.len(), dataset.log.frames.as_ref().map_or(0, |f| f.len()));
         eprintln!("{} commands, {frames} frames, {sightings} sightings", dataset.log.commands.len());
+        if dataset.truth.survey.is_none() {
+            eprintln!("no survey of this very world is kept: `score` will go by the true track");
+        }
         verb::print(&format!("{}\n", output.display()));
         Ok(verb::Ending::Done)
     })

@@ -1,0 +1,47 @@
+//! What the documentation shows is what the program reads.
+
+use std::path::Path;
+
+use asami_dataset::store;
+
+fn block<'a>(text: &'a str, kind: &str) -> &'a str {
+    let (_, from) = text.split_once(&format!("```{kind}\n")).expect("the page has such a block");
+    from.split_once("```").expect("the block ends").0
+}
+
+#[test]
+fn the_smallest_robot_of_the_docs_is_a_data_set() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = std::fs::read_to_string(root.join("docs/data-set.md")).expect("the page");
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("dataset.toml"), block(&page, "toml")).expect("written");
+
+    // Two files stand side by side, at least two spaces apart.
+    let mut files: Vec<(String, String)> = Vec::new();
+    for line in block(&page, "text").lines() {
+        for (i, cell) in line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).enumerate() {
+            match files.get_mut(i) {
+                Some((_, rows)) => *rows += &format!("{cell}\n"),
+                None => files.push((cell.to_owned(), String::new())),
+            }
+        }
+    }
+    assert_eq!(files.len(), 2);
+    for (name, rows) in files {
+        std::fs::write(folder.path().join(name), rows).expect("written");
+    }
+    let dataset = store::read(folder.path()).expect("the docs' own example");
+    assert_eq!((dataset.log.commands.len(), dataset.log.sightings.len()), (2, 2));
+}
+
+#[test]
+fn every_command_of_the_readme_is_a_program() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = std::fs::read_to_string(root.join("README.md")).expect("README.md");
+    let bins: Vec<&str> =
+        readme.split("cargo run --bin ").skip(1).filter_map(|rest| rest.split([' ', '`']).next()).collect();
+    assert!(bins.len() >= 6, "{bins:?}");
+    for bin in bins {
+        assert!(root.join("src/bin").join(format!("{bin}.rs")).exists(), "{bin}");
+    }
+}
