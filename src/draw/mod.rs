@@ -8,7 +8,7 @@ pub mod axis;
 pub mod chapter3;
 pub mod figure;
 pub mod picture;
-mod svg;
+pub(crate) mod svg;
 pub mod walk;
 
 pub use figure::{Figure, Mark, Stroke};

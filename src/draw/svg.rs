@@ -103,7 +103,7 @@ pub(super) fn open(width: u32, height: u32, label: &str) -> String {
 }
 
 /// An inline SVG as a file of its own: with its name space, on white.
-pub(super) fn standalone(inline: &str) -> String {
+pub(crate) fn standalone(inline: &str) -> String {
     match inline.strip_prefix("<svg").and_then(|rest| rest.split_once('>')) {
         Some((attributes, inside)) => {
             format!("<svg{NAME_SPACE}{attributes}><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>{inside}\n")

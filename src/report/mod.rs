@@ -11,6 +11,7 @@ pub mod table;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::draw::svg::standalone;
 use crate::draw::walk::Strip;
 use crate::draw::{Figure, Picture};
 
@@ -41,6 +42,12 @@ impl Plate {
     #[must_use]
     pub fn is_wide(&self) -> bool {
         self.width_px > 700
+    }
+
+    /// What is drawn, as a file of its own.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        standalone(&self.inline_svg)
     }
 }
 

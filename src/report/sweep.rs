@@ -29,9 +29,9 @@ pub fn write(outcome: &Outcome, exhibits: &Exhibits, program: &str, out: &Path) 
     report.write(&out.join("report.html")).map_err(failed)?;
     let folder = out.join("figures");
     std::fs::create_dir_all(&folder).map_err(CannotSweep::file("make", &folder))?;
-    for figure in figures {
-        let name = figure.name.to_lowercase().replace(", ", "_").replace([' ', '.'], "_");
-        write_whole(&folder.join(format!("{name}.svg")), figure.svg().as_bytes())?;
+    for plate in figures.iter().map(Plate::from).chain(exhibits.walk.iter().cloned()) {
+        let name = plate.name.to_lowercase().replace(", ", "_").replace([' ', '.'], "_");
+        write_whole(&folder.join(format!("{name}.svg")), plate.svg().as_bytes())?;
     }
     Ok(())
 }
