@@ -23,7 +23,7 @@ struct Arguments {
     /// The seed of every draw
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// The folder to write [default: results/<scenario>-seed-<S>]; its data set, if any, is replaced
+    /// The folder to write [default: results/SCENARIO-seed-S]; its data set, if any, is replaced
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Switches an effect on, beside the scenario's own

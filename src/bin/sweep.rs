@@ -21,7 +21,7 @@ use clap::Parser;
 struct Arguments {
     /// The scenario file
     scenario: PathBuf,
-    /// Where results go [default: results/<scenario>]
+    /// Where results go [default: results/SCENARIO]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Threads [default: one for each core]
