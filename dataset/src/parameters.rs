@@ -1,6 +1,6 @@
 //! Parameters declared once: type, default, unit and range together with the field.
 //!
-//! [`parameters!`] makes a struct that TOML can read (unknown keys are errors, missing keys take the
+//! [`parameters!`](crate::parameters!) makes a struct that TOML can read (unknown keys are errors, missing keys take the
 //! default), and the table that range checks, `--effect NAME.PARAM=VALUE`, `list` and the
 //! documentation are made from.
 
