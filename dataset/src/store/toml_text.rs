@@ -78,7 +78,31 @@ fn value_text(value: f64) -> String {
     }
 }
 
-/// A basic string.
+/// A basic string of TOML, as a key or as a value: one line, whatever is in it.
 pub(super) fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
+    let mut out = String::from('"');
+    for letter in text.chars() {
+        match letter {
+            '"' | '\\' => out.extend(['\\', letter]),
+            // TOML forbids these unescaped, but for the tab, which nobody would see.
+            '\0'..='\u{1f}' | '\u{7f}' => out.push_str(&format!("\\u{:04x}", u32::from(letter))),
+            _ => out.push(letter),
+        }
+    }
+    out.push('"');
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn every_string_is_read_back_as_key_and_as_value() {
+        for text in ["", "plain", "'\\", "'''", "\"", "a\nb", "\t\0\u{7f}", "\u{1f}é\u{10ffff}", "a.b", "# no"] {
+            let line = format!("{} = {}", quoted(text), quoted(text));
+            let table: toml::Table = line.parse().expect(&line);
+            assert_eq!(table.get(text).and_then(toml::Value::as_str), Some(text), "{line}");
+        }
+    }
 }
