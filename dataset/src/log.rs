@@ -83,6 +83,8 @@ pub enum Action {
     },
     /// Commanded velocities of a wheeled robot.
     Wheels {
+        /// Which of the discrete actions this is, where commands were binned into a list of them.
+        id: Option<u16>,
         /// Forward speed.
         v_m_per_s: f64,
         /// Turning rate, counter-clockwise.

@@ -141,6 +141,7 @@ fn every_rule_names_file_line_column_and_value() {
         (CAR, "commands.csv", "1.0", "1.5", "commands.csv:3:6: throttle must be a number in 0..=1, not 1.5"),
         (CAR, "commands.csv", "-0.3", "-1.3", "steering must be a number in -1..=1, not -1.3"),
         (CREATE, "dataset.toml", "\"create\"", "\"car\"", "commands.csv:1:5: unknown column v_m_per_s (columns: t_s,throttle"),
+        (CREATE, "commands.csv", "t_s,v_m_per_s,omega_rad_per_s\n0.0,", "t_s,action,v_m_per_s,omega_rad_per_s\n0.0,x,", "commands.csv:2:5: action must be a whole number in 0..=65535, not x"),
         (AIBO, "frames.csv", "-3.1", "3.1416", "frames.csv:5:5: head_pan_rad must be an angle in [-pi, pi), not 3.1416"),
         (AIBO, "frames.csv", "0.15", "0.05", "times must increase: 0.05 follows 0.1"),
         (AIBO, "sightings.csv", ",4,", ",5,", "sightings.csv:4:5: landmark must be one that dataset.toml declares, not 5"),

@@ -56,8 +56,8 @@ fn action(robot: &str) -> BoxedStrategy<Action> {
         "car" => (0.0..=1.0, 0.0..=1.0, -1.0..=1.0)
             .prop_map(|(throttle, brake, steering)| Action::Pedals { throttle, brake, steering })
             .boxed(),
-        "create" => (finite(), finite())
-            .prop_map(|(v_m_per_s, omega_rad_per_s)| Action::Wheels { v_m_per_s, omega_rad_per_s })
+        "create" => (option::of(any::<u16>()), finite(), finite())
+            .prop_map(|(id, v_m_per_s, omega_rad_per_s)| Action::Wheels { id, v_m_per_s, omega_rad_per_s })
             .boxed(),
         _ => (option::of(any::<u16>()), finite(), finite(), finite())
             .prop_map(|(id, ax_m_per_s, ay_m_per_s, atheta_rad_per_s)| Action::Legs {
@@ -288,6 +288,24 @@ fn the_written_bytes_do_not_depend_on_the_sign_of_zero() {
 }
 
 #[test]
+fn wheels_have_a_column_of_actions_where_they_were_binned() {
+    let known = Known { robot: "create".to_owned(), ..Known::default() };
+    let row = |t_s, id| Command { t_s, action: Action::Wheels { id, v_m_per_s: 0.1, omega_rad_per_s: 0.0 } };
+    let text = |commands: Vec<Command>| {
+        let log = Log { known: known.clone().into(), commands: commands.into(), ..Log::default() };
+        let dir = tempfile::tempdir().unwrap();
+        store::write(&Dataset { log: log.clone(), ..Dataset::default() }, dir.path()).unwrap();
+        assert_eq!(store::read(dir.path()).unwrap().log, log);
+        std::fs::read_to_string(dir.path().join("commands.csv")).unwrap()
+    };
+    assert_eq!(text(vec![row(0.0, None)]), "t_s,v_m_per_s,omega_rad_per_s\n0.0,0.1,0.0\n");
+    assert_eq!(
+        text(vec![row(0.0, None), row(1.0, Some(7))]),
+        "t_s,action,v_m_per_s,omega_rad_per_s\n0.0,,0.1,0.0\n1.0,7,0.1,0.0\n"
+    );
+}
+
+#[test]
 fn writing_replaces_what_an_earlier_data_set_left() {
     let dir = tempfile::tempdir().unwrap();
     let known = Known { robot: "create".to_owned(), ..Known::default() };
@@ -317,7 +335,7 @@ fn what_the_reader_would_refuse_is_not_written() {
         t_s,
         action: Action::Legs { id: None, ax_m_per_s: 0.0, ay_m_per_s, atheta_rad_per_s: 0.0 },
     };
-    let wheels = Command { t_s: 1.0, action: Action::Wheels { v_m_per_s: 0.0, omega_rad_per_s: 0.0 } };
+    let wheels = Command { t_s: 1.0, action: Action::Wheels { id: None, v_m_per_s: 0.0, omega_rad_per_s: 0.0 } };
     let seen = Sighting { t_s: 0.0, landmark: 3, size: Size::HeightPx(9.0), bearing_rad: 0.0 };
     let unfit = [
         (log(vec![legs(0.0, f64::NAN)], vec![]), "ay_m_per_s must be a finite number, not NaN"),

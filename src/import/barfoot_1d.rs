@@ -70,7 +70,7 @@ fn dataset(file: &Path, rows: &[Row<4>], timing: &Timing) -> Result<Dataset, Imp
     for (line, [t_s, v, range, x_true]) in rows {
         let t_s = required(file, *line, "t_s", *t_s)?;
         let v_m_per_s = required(file, *line, "v_odometry_m_per_s", *v)?;
-        commands.push(Command { t_s, action: Action::Wheels { v_m_per_s, omega_rad_per_s: 0.0 } });
+        commands.push(Command { t_s, action: Action::Wheels { id: None, v_m_per_s, omega_rad_per_s: 0.0 } });
         frames.push(Frame { t_s, head_pan_rad: 0.0 });
         if let Some(range_m) = *range {
             if range_m <= 0.0 {

@@ -103,16 +103,25 @@ pub(super) static PEDALS: Table<Command> = Table {
 };
 
 pub(super) static WHEELS: Table<Command> = Table {
-    columns: &[TIME, column("v_m_per_s", Rule::Finite), column("omega_rad_per_s", Rule::Finite)],
+    columns: &[
+        TIME,
+        Column { name: "action", rule: Rule::Id, may: May::BeAbsent },
+        column("v_m_per_s", Rule::Finite),
+        column("omega_rad_per_s", Rule::Finite),
+    ],
     open: false,
     repeats: false,
     take: |f| Command {
         t_s: f.number(0),
-        action: Action::Wheels { v_m_per_s: f.number(1), omega_rad_per_s: f.number(2) },
+        action: Action::Wheels {
+            id: f.maybe(1).map(|id| id as u16),
+            v_m_per_s: f.number(2),
+            omega_rad_per_s: f.number(3),
+        },
     },
     give: |row| match row.action {
-        Action::Wheels { v_m_per_s, omega_rad_per_s } => {
-            Some(vec![Some(row.t_s), Some(v_m_per_s), Some(omega_rad_per_s)])
+        Action::Wheels { id, v_m_per_s, omega_rad_per_s } => {
+            Some(vec![Some(row.t_s), id.map(f64::from), Some(v_m_per_s), Some(omega_rad_per_s)])
         }
         _ => None,
     },

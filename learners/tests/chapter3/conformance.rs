@@ -32,7 +32,7 @@ fn any_number() -> impl Strategy<Value = f64> {
 
 fn any_action() -> impl Strategy<Value = Action> {
     prop_oneof![
-        8 => (-0.5..0.5f64).prop_map(|v| Action::Wheels { v_m_per_s: v, omega_rad_per_s: 0.0 }),
+        8 => (-0.5..0.5f64).prop_map(|v| Action::Wheels { id: None, v_m_per_s: v, omega_rad_per_s: 0.0 }),
         2 => any_number().prop_map(|v| Action::Legs { id: None, ax_m_per_s: 0.0, ay_m_per_s: v, atheta_rad_per_s: 0.0 }),
     ]
 }

@@ -24,7 +24,8 @@ fn commanded(pacer: &Pacer, parts: &[(f64, f64)]) -> Log {
     let log = Pacer { duration_s: parts.iter().map(|part| part.0).sum(), ..pacer.clone() }.log(0);
     let (mut t_s, mut d, mut commands) = (0.0, 3.4, Vec::new());
     for (seconds, v_m_per_s) in parts {
-        commands.push(Command { t_s, action: Action::Wheels { v_m_per_s: *v_m_per_s, omega_rad_per_s: 0.0 } });
+        commands
+            .push(Command { t_s, action: Action::Wheels { id: None, v_m_per_s: *v_m_per_s, omega_rad_per_s: 0.0 } });
         t_s += seconds;
     }
     let mut sightings = log.sightings.to_vec();

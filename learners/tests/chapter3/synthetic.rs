@@ -176,7 +176,11 @@ pub fn scaled(log: &Log, by_c: f64, by_o: f64, later_s: f64) -> Log {
         .iter()
         .map(|row| Command {
             t_s: row.t_s + later_s,
-            action: Action::Wheels { v_m_per_s: by_c * row.action.forward_m_per_s().unwrap(), omega_rad_per_s: 0.0 },
+            action: Action::Wheels {
+                id: None,
+                v_m_per_s: by_c * row.action.forward_m_per_s().unwrap(),
+                omega_rad_per_s: 0.0,
+            },
         })
         .collect();
     let sightings: Vec<Sighting> = log
