@@ -10,6 +10,9 @@ pub trait World: Send {
     /// Seconds since the log began.
     fn t_s(&self) -> f64;
 
+    /// Where the robot is.
+    fn pose(&self) -> TruePose;
+
     /// Carries out `action` for one control period and records what is seen and where the robot is.
     fn tick(&mut self, action: Action, record: &mut Record);
 }
@@ -17,7 +20,7 @@ pub trait World: Send {
 /// What a world has recorded so far.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
-    /// What the robot has seen and done: all that a [`Drive`] may look at.
+    /// What the robot has seen and done: all that a [`Drive`] may look at, [`Drive::localise`] apart.
     pub seen: Seen,
     /// Where the robot was.
     pub track: Vec<TruePose>,
@@ -38,6 +41,13 @@ pub struct Seen {
 
 /// Chooses the action of each control tick out of the logged past.
 pub trait Drive: Send {
+    /// Told before each [`act`](Self::act) where the robot is, as by the "previously developed accurate
+    /// localization module" that kept the robot on the field (Stronger 2008, section 4.4.1). Only the
+    /// choice of actions may hang on it; a drive that does without ignores it.
+    fn localise(&mut self, pose: &TruePose) {
+        let _ = pose;
+    }
+
     /// The action from `t_s` until the next tick.
     fn act(&mut self, t_s: f64, seen: &Seen) -> Action;
 }
@@ -47,6 +57,7 @@ pub fn run(world: &mut dyn World, drive: &mut dyn Drive, until_s: f64) -> Datase
     let mut record = Record::default();
     while world.t_s() < until_s {
         let t_s = world.t_s();
+        drive.localise(&world.pose());
         let action = drive.act(t_s, &record.seen);
         if record.seen.commands.last().is_none_or(|last| last.action != action) {
             record.seen.commands.push(Command { t_s, action });

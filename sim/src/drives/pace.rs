@@ -9,7 +9,7 @@ asami_dataset::parameters! {
     /// The policy of chapter 3: walk towards the beacon at random speeds until it looks large, then
     /// back until it looks small.
     pub struct Pacing {
-        /// Greatest commanded speed either way.
+        /// Greatest commanded speed either way, where commands are not drawn from a list.
         max_speed_m_per_s: f64 = 0.3, "m/s", 0.01..=1.0;
         /// How long each command is held.
         hold_s: f64 = 3.0, "s", 0.1..=60.0;
@@ -26,8 +26,9 @@ asami_dataset::parameters! {
 pub struct Pace {
     pacing: Pacing,
     rng: Rng,
+    among: Option<Vec<Action>>,
     forward: bool,
-    command_m_per_s: f64,
+    command: Action,
     since_s: Option<f64>,
     read: usize,
     seen_s: f64,
@@ -37,7 +38,30 @@ impl Pace {
     /// Starts forward; `rng` draws the commands.
     #[must_use]
     pub fn new(pacing: Pacing, rng: Rng) -> Self {
-        Self { pacing, rng, forward: true, command_m_per_s: 0.0, since_s: None, read: 0, seen_s: 0.0 }
+        Self { pacing, rng, among: None, forward: true, command: stride(0.0), since_s: None, read: 0, seen_s: 0.0 }
+    }
+
+    /// The same phases, but commands drawn from `actions`, for example
+    /// [`strides`](super::suite::Suite::strides) (section 4.4.3): those that go forward or stand while the
+    /// robot walks towards the beacon, those that go back or stand on its way back.
+    #[must_use]
+    pub fn among(actions: Vec<Action>, pacing: Pacing, rng: Rng) -> Self {
+        Self { among: Some(actions), ..Self::new(pacing, rng) }
+    }
+
+    /// Draws a command for this phase.
+    fn draw(&mut self) -> Action {
+        let share = self.rng.random::<f64>();
+        let Some(actions) = &self.among else {
+            let speed_m_per_s = share * self.pacing.max_speed_m_per_s;
+            return stride(if self.forward { speed_m_per_s } else { -speed_m_per_s });
+        };
+        let fits = |action: &&Action| {
+            let ahead_m_per_s = action.forward_m_per_s().unwrap_or(0.0);
+            ahead_m_per_s == 0.0 || (ahead_m_per_s > 0.0) == self.forward
+        };
+        let fitting: Vec<&Action> = actions.iter().filter(fits).collect();
+        fitting.get((share * fitting.len() as f64) as usize).map_or(stride(0.0), |action| **action)
     }
 
     /// Reads the sightings since the last call; whether the robot must turn round.
@@ -66,10 +90,14 @@ impl Drive for Pace {
         }
         // The tick's time is a rounded multiple of the period: half a tick of slack.
         if turn || self.since_s.is_none_or(|since_s| t_s - since_s >= self.pacing.hold_s - 1e-6) {
-            let speed_m_per_s = self.rng.random::<f64>() * self.pacing.max_speed_m_per_s;
-            self.command_m_per_s = if self.forward { speed_m_per_s } else { -speed_m_per_s };
+            self.command = self.draw();
             self.since_s = Some(t_s);
         }
-        Action::Legs { id: None, ax_m_per_s: 0.0, ay_m_per_s: self.command_m_per_s, atheta_rad_per_s: 0.0 }
+        self.command
     }
+}
+
+/// Straight ahead, or back.
+fn stride(ay_m_per_s: f64) -> Action {
+    Action::Legs { id: None, ax_m_per_s: 0.0, ay_m_per_s, atheta_rad_per_s: 0.0 }
 }

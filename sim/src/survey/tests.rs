@@ -28,11 +28,15 @@ impl World for Cart {
         self.ticks as f64 * TICK_S
     }
 
+    fn pose(&self) -> TruePose {
+        TruePose { t_s: self.t_s(), x_m: 0.0, y_m: self.y_m, theta_rad: 0.0, v_m_per_s: None }
+    }
+
     fn tick(&mut self, action: Action, record: &mut Record) {
         let command = action.forward_m_per_s().unwrap_or(0.0);
         if self.ticks.is_multiple_of(5) {
             let t_s = self.t_s();
-            record.track.push(TruePose { t_s, x_m: 0.0, y_m: self.y_m, theta_rad: 0.0, v_m_per_s: None });
+            record.track.push(self.pose());
             record.seen.frames.push(Frame { t_s, head_pan_rad: 0.0 });
             if self.sees {
                 // Two heights in turn, of known mean and spread.
@@ -72,6 +76,9 @@ fn a_robot_that_turns_back_never_arrives() {
         }
         fn t_s(&self) -> f64 {
             self.0.t_s()
+        }
+        fn pose(&self) -> TruePose {
+            self.0.pose()
         }
         fn tick(&mut self, action: Action, record: &mut Record) {
             if self.0.t_s() > 14.0 {

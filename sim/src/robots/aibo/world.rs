@@ -141,16 +141,6 @@ impl AiboWorld {
         &self.body
     }
 
-    /// Where the body's centre is and where it faces.
-    #[must_use]
-    pub fn pose(&self) -> TruePose {
-        let world_from_torso = self.body.world_from_torso();
-        let ahead = world_from_torso * Vector3::x();
-        let at = world_from_torso.translation;
-        let theta_rad = wrap_rad(atan2(-ahead.x, ahead.y));
-        TruePose { t_s: self.now_s(), x_m: at.x, y_m: at.y, theta_rad, v_m_per_s: None }
-    }
-
     fn now_s(&self) -> f64 {
         self.steps as f64 * self.config.physics.time_step_s
     }
@@ -208,6 +198,15 @@ impl World for AiboWorld {
 
     fn t_s(&self) -> f64 {
         self.now_s()
+    }
+
+    /// Where the body's centre is and where it faces.
+    fn pose(&self) -> TruePose {
+        let world_from_torso = self.body.world_from_torso();
+        let ahead = world_from_torso * Vector3::x();
+        let at = world_from_torso.translation;
+        let theta_rad = wrap_rad(atan2(-ahead.x, ahead.y));
+        TruePose { t_s: self.now_s(), x_m: at.x, y_m: at.y, theta_rad, v_m_per_s: None }
     }
 
     fn tick(&mut self, action: Action, record: &mut Record) {
