@@ -1,5 +1,7 @@
 //! What only the simulator or a motion-capture rig knows.
 
+use asami_math::angle::wrap_rad;
+
 use crate::log::{Channel, Log, Timed};
 use crate::survey::Survey;
 
@@ -22,6 +24,29 @@ impl Timed for TruePose {
     fn t_s(&self) -> f64 {
         self.t_s
     }
+}
+
+/// Poses further apart than this are not interpolated.
+pub const LONGEST_GAP_S: f64 = 0.5;
+
+/// The pose at a time between two of the track's; `None` off its ends and in gaps longer than [`LONGEST_GAP_S`].
+#[must_use]
+pub fn pose_at(track: &[TruePose], t_s: f64) -> Option<TruePose> {
+    let after = track.partition_point(|pose| pose.t_s < t_s);
+    let b = track.get(after)?;
+    if b.t_s == t_s {
+        return Some(*b);
+    }
+    let a = track.get(after.checked_sub(1)?)?;
+    let share = (t_s - a.t_s) / (b.t_s - a.t_s);
+    let mix = |a: f64, b: f64| a + share * (b - a);
+    (b.t_s - a.t_s <= LONGEST_GAP_S).then(|| TruePose {
+        t_s,
+        x_m: mix(a.x_m, b.x_m),
+        y_m: mix(a.y_m, b.y_m),
+        theta_rad: wrap_rad(a.theta_rad + share * wrap_rad(b.theta_rad - a.theta_rad)),
+        v_m_per_s: None,
+    })
 }
 
 /// Truth about a log: where the robot was, and what its models really are. Either may be missing.

@@ -1,5 +1,6 @@
 //! True distances and speeds out of a true track.
 
+use asami_dataset::truth::{LONGEST_GAP_S, pose_at};
 use asami_dataset::{Channel, Command, Log, Sighting, TruePose};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{hypot, sin_cos};
@@ -8,9 +9,6 @@ use super::Stretch;
 
 /// Length of the stretches over which speeds are averaged.
 const STRETCH_S: f64 = 5.0;
-
-/// Poses further apart than this are not interpolated.
-const LONGEST_GAP_S: f64 = 0.5;
 
 /// Observation and true distance of every sighting that the track covers.
 pub(super) fn distances(log: &Log, track: &[TruePose]) -> Vec<[f64; 2]> {
@@ -70,23 +68,4 @@ fn forward_m(track: &[TruePose], from_s: f64, to_s: f64) -> Option<f64> {
         Some(cos * (pair[1].y_m - pair[0].y_m) - sin * (pair[1].x_m - pair[0].x_m))
     };
     path.windows(2).map(step).sum()
-}
-
-/// The pose at a time between two of the track's.
-fn pose_at(track: &[TruePose], t_s: f64) -> Option<TruePose> {
-    let after = track.partition_point(|pose| pose.t_s < t_s);
-    let b = track.get(after)?;
-    if b.t_s == t_s {
-        return Some(*b);
-    }
-    let a = track.get(after.checked_sub(1)?)?;
-    let share = (t_s - a.t_s) / (b.t_s - a.t_s);
-    let mix = |a: f64, b: f64| a + share * (b - a);
-    (b.t_s - a.t_s <= LONGEST_GAP_S).then(|| TruePose {
-        t_s,
-        x_m: mix(a.x_m, b.x_m),
-        y_m: mix(a.y_m, b.y_m),
-        theta_rad: wrap_rad(a.theta_rad + share * wrap_rad(b.theta_rad - a.theta_rad)),
-        v_m_per_s: None,
-    })
 }
