@@ -84,6 +84,9 @@ pub fn learn(log: &Log, request: &Request) -> Result<Learned, Refusal> {
             return not_given("an action model: --start c, sgn or one, or --given MODELS");
         }
         Needs::Sensor if given.sensor.is_none() => return not_given("a sensor model: --given MODELS"),
+        Needs::Both if given.action.is_none() || given.sensor.is_none() => {
+            return not_given("action, sensor and noise models to start from: --given MODELS");
+        }
         _ => {}
     }
     let mut rng = Seed(request.seed).stream(&format!("learner/{name}"));

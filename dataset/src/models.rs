@@ -94,6 +94,9 @@ pub struct Noise {
     pub sigma1_m: Option<f64>,
     /// Of the bearing.
     pub sigma2_rad: Option<f64>,
+    /// Of the motion, in the robot frame: standard deviation rightward in m, forward in m, and of the turn
+    /// in rad, a step of the learner (a frame of median length).
+    pub motion_sd: Option<[f64; 3]>,
 }
 
 /// Learned or given models; a part that was not learned is `None`.

@@ -60,7 +60,8 @@ const CAR: Set = &[
 const MODELS: &str = "schema = 1\nlearner = \"em_published\"\n[action]\nkind = \"table\"\n\
     entries = [{ action = 0, vx_m_per_s = 0.0, vy_m_per_s = 0.21, vtheta_rad_per_s = 0.1, se = [0.004, 0.004, 0.01] }]\n\
     [sensor]\nkind = \"height_of_distance\"\ncoefficients = [30.1, -8.2, 2.0, -0.3]\ncentre = 2.4\nscale = 1.2\n\
-    se = [0.02, 0.02, 0.03, 0.02]\n[noise]\nsigma1_px = 1.62\nsigma2_rad = 0.026\n";
+    se = [0.02, 0.02, 0.03, 0.02]\n[noise]\nsigma1_px = 1.62\nsigma2_rad = 0.026\n\
+    motion_sd = [0.01, 0.01, 0.1]\n";
 
 fn files(of: Set) -> Files {
     of.iter().map(|(name, text)| (*name, text.as_bytes().to_vec())).collect()

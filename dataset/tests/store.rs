@@ -244,8 +244,9 @@ fn models() -> impl Strategy<Value = Models> {
         curve().prop_map(SensorModel::RangeOfDistance),
         angles,
     ];
-    let noise = (option::of(positive()), option::of(positive()), option::of(positive()))
-        .prop_map(|(sigma1_px, sigma1_m, sigma2_rad)| Noise { sigma1_px, sigma1_m, sigma2_rad });
+    let motion = option::of((positive(), positive(), positive()).prop_map(|(x, y, theta)| [x, y, theta]));
+    let noise = (option::of(positive()), option::of(positive()), option::of(positive()), motion)
+        .prop_map(|(sigma1_px, sigma1_m, sigma2_rad, motion_sd)| Noise { sigma1_px, sigma1_m, sigma2_rad, motion_sd });
     (option::of(action), option::of(sensor), noise).prop_map(|(action, sensor, noise)| Models { action, sensor, noise })
 }
 

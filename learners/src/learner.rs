@@ -43,6 +43,9 @@ pub enum Needs {
     Action,
     /// A sensor model, taken as known.
     Sensor,
+    /// All models, to start from: a table of velocities (an action without an entry counts as having no
+    /// effect), height or range as a function of distance, and the noise of sensor and motion.
+    Both,
 }
 
 /// What a learner learned, and how it got there.
@@ -114,6 +117,20 @@ pub enum Lack {
         /// Its unit.
         unit: &'static str,
     },
+    /// Some discrete actions were hardly ever executed.
+    #[error("actions {actions:?} were executed for less than {least_s} s in all: their velocities are hardly known")]
+    RareActions {
+        /// Their ids, in order.
+        actions: Vec<u16>,
+        /// How long an action must be executed.
+        least_s: f64,
+    },
+    /// No landmark but one was seen: the world could be turned about it.
+    #[error("only landmark {landmark} was ever seen: where the robot stood about it cannot be told")]
+    OneLandmark {
+        /// Its id.
+        landmark: u16,
+    },
 }
 
 /// What kept a learner from learning at all.
@@ -136,6 +153,15 @@ pub enum CannotLearn {
     /// The commands are of another robot.
     #[error("the log's commands have no forward speed (a car's pedals?)")]
     WrongCommands,
+    /// The commands are not out of a list of discrete actions.
+    #[error("no command of the log has an action's id; this method learns a velocity for each discrete action")]
+    NoActions,
+    /// A landmark of unknown place was seen.
+    #[error("the log sights landmark {landmark}, whose place is unknown")]
+    UnknownLandmark {
+        /// Its id.
+        landmark: u16,
+    },
     /// More than one landmark where the method takes one.
     #[error("the log sights {found} landmarks; this method takes logs of one")]
     SeveralLandmarks {

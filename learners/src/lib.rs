@@ -10,6 +10,7 @@ pub mod degree_selection;
 pub mod learner;
 pub mod likelihood;
 pub mod line;
+pub mod plane;
 pub mod sensor_constant_action;
 pub mod sensor_from_action;
 

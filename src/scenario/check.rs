@@ -280,6 +280,7 @@ fn learner(path: &str, row: &wire::Row, learners: &Learners, faults: &mut Vec<Fa
             (row.start.is_some_and(Start::is_action_model), "start = \"c\", \"sgn\", \"one\" or \"reference_quartic\"")
         }
         Needs::Sensor => (row.start == Some(Start::ReferenceCubic), "start = \"reference_cubic\""),
+        Needs::Both => (false, "starting models of both kinds"),
     };
     if !fits {
         let message = format!("learner {} takes {needs}, not {start}", about.name);

@@ -149,6 +149,7 @@ fn noise(mut keys: Keys<'_>) -> Result<Noise, ReadError> {
         sigma1_px: keys.maybe_number("sigma1_px", Rule::NotNegative)?,
         sigma1_m: keys.maybe_number("sigma1_m", Rule::NotNegative)?,
         sigma2_rad: keys.maybe_number("sigma2_rad", Rule::NotNegative)?,
+        motion_sd: keys.maybe_array("motion_sd", Rule::NotNegative)?,
     };
     keys.close()?;
     Ok(noise)
@@ -170,6 +171,9 @@ fn text(learner: &str, models: &Models) -> String {
         toml.maybe_number("sigma1_px", models.noise.sigma1_px);
         toml.maybe_number("sigma1_m", models.noise.sigma1_m);
         toml.maybe_number("sigma2_rad", models.noise.sigma2_rad);
+        if let Some(motion_sd) = &models.noise.motion_sd {
+            toml.numbers("motion_sd", motion_sd);
+        }
     }
     toml.finish()
 }

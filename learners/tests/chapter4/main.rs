@@ -1,0 +1,3 @@
+//! The learners of chapter 4 on logs whose truth is known.
+
+mod plane;
