@@ -204,7 +204,7 @@ fn commands(log: &Log) -> Result<Vec<Commanded>, CannotLearn> {
             Action::Legs { id, ax_m_per_s, ay_m_per_s, atheta_rad_per_s } => {
                 (id, [ax_m_per_s, ay_m_per_s, atheta_rad_per_s])
             }
-            Action::Wheels { v_m_per_s, omega_rad_per_s } => (None, [0.0, v_m_per_s, omega_rad_per_s]),
+            Action::Wheels { id, v_m_per_s, omega_rad_per_s } => (id, [0.0, v_m_per_s, omega_rad_per_s]),
             Action::Pedals { .. } => return Err(CannotLearn::WrongCommands),
         };
         let later = commands.last().is_none_or(|last| last.t_s <= row.t_s);
