@@ -56,6 +56,8 @@ pub struct Survey {
     pub sigma1_m: Option<f64>,
     /// Sighting noise of the bearing.
     pub sigma2_rad: Option<f64>,
+    /// Motion noise of one frame, right m, forward m, counter-clockwise rad.
+    pub motion_sd: Option<[f64; 3]>,
     /// theta_l + theta_b of each laser, in order of vertical angle.
     pub horizontal_angles_rad: Vec<f64>,
     /// Angle of the laser scanner's base.

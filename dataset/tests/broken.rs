@@ -33,7 +33,7 @@ const AIBO: Set = &[
         "schema = 1\nspeed_by_command = [{ command_m_per_s = 0.3, speed_m_per_s = 0.22, sd_m_per_s = 0.004, timings = 5 }]\n\
          height_by_distance = [{ distance_m = 1.2, height_px = 31.2, sd_px = 1.0, bearing_sd_rad = 0.02, readings = 100 }]\n\
          velocity_by_action = [{ action = 0, vx_m_per_s = 0.0, vy_m_per_s = 0.2, vtheta_rad_per_s = 0.1 }]\n\
-         sigma1_px = 1.6\nsigma2_rad = 0.027\nhorizontal_angles_rad = [0.0]\ntheta_b_rad = 1.5551\n",
+         sigma1_px = 1.6\nsigma2_rad = 0.027\nmotion_sd = [0.01, 0.01, 0.1]\nhorizontal_angles_rad = [0.0]\ntheta_b_rad = 1.5551\n",
     ),
 ];
 

@@ -142,7 +142,7 @@ fn survey() -> impl Strategy<Value = Survey> {
         vec(height, 0..4),
         vec(velocity, 0..4),
         (option::of(positive()), option::of(positive()), option::of(positive()), option::of(finite())),
-        vec(finite(), 0..4),
+        (vec(finite(), 0..4), option::of([positive(), positive(), positive()])),
     )
         .prop_map(
             |(
@@ -150,7 +150,7 @@ fn survey() -> impl Strategy<Value = Survey> {
                 height_by_distance,
                 velocity_by_action,
                 (sigma1_px, sigma1_m, sigma2_rad, theta_b_rad),
-                horizontal_angles_rad,
+                (horizontal_angles_rad, motion_sd),
             )| {
                 Survey {
                     speed_by_command,
@@ -159,6 +159,7 @@ fn survey() -> impl Strategy<Value = Survey> {
                     sigma1_px,
                     sigma1_m,
                     sigma2_rad,
+                    motion_sd,
                     horizontal_angles_rad,
                     theta_b_rad,
                 }

@@ -56,6 +56,7 @@ pub(super) fn parse(source: &Source) -> Result<Survey, ReadError> {
         sigma1_px: keys.maybe_number("sigma1_px", Rule::NotNegative)?,
         sigma1_m: keys.maybe_number("sigma1_m", Rule::NotNegative)?,
         sigma2_rad: keys.maybe_number("sigma2_rad", Rule::NotNegative)?,
+        motion_sd: keys.maybe_array("motion_sd", Rule::NotNegative)?,
         horizontal_angles_rad: keys.maybe_numbers("horizontal_angles_rad", Rule::Finite)?.unwrap_or_default(),
         theta_b_rad: keys.maybe_number("theta_b_rad", Rule::Finite)?,
     };
@@ -99,6 +100,7 @@ fn text(survey: &Survey) -> String {
     toml.maybe_number("sigma1_px", survey.sigma1_px);
     toml.maybe_number("sigma1_m", survey.sigma1_m);
     toml.maybe_number("sigma2_rad", survey.sigma2_rad);
+    toml.numbers("motion_sd", survey.motion_sd.as_ref().map_or(&[], <[f64; 3]>::as_slice));
     toml.numbers("horizontal_angles_rad", &survey.horizontal_angles_rad);
     toml.maybe_number("theta_b_rad", survey.theta_b_rad);
     toml.finish()

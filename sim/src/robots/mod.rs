@@ -1,3 +1,4 @@
 //! Robots, one folder each.
 
 pub mod aibo;
+pub mod plain;

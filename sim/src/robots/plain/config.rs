@@ -1,0 +1,102 @@
+//! Every number of the robot that a scenario may set.
+
+use asami_dataset::parameters::{Fault, Parameter, Parameters};
+use serde::{Deserialize, Serialize};
+
+asami_dataset::parameters! {
+    /// Gaussian noise on the motion, new each step, in the robot's frame (section 4.4.2 leaves its size open).
+    pub struct Motion {
+        /// One step.
+        time_step_s: f64 = 0.05, "s", 0.001..=1.0;
+        /// Standard deviation of one step's rightward displacement.
+        right_sd_m: f64 = 0.005, "m", 0.0..=0.1;
+        /// Standard deviation of one step's forward displacement.
+        forward_sd_m: f64 = 0.005, "m", 0.0..=0.1;
+        /// Standard deviation of one step's turn.
+        turn_sd_rad: f64 = 0.02, "rad", 0.0..=1.0;
+    }
+}
+
+asami_dataset::parameters! {
+    /// How the velocities that the actions lead to differ from the attempted ones. The standard deviations are
+    /// in units of the suite's greatest attempted velocities; each robot draws its own from them, once.
+    pub struct Distortion {
+        /// From least to greatest rightward velocity of the 40 actions.
+        right_range_m_per_s: f64 = 0.71, "m/s", 0.01..=5.0;
+        /// From least to greatest forward velocity.
+        forward_range_m_per_s: f64 = 0.84, "m/s", 0.01..=5.0;
+        /// From least to greatest turning rate.
+        turn_range_rad_per_s: f64 = 3.141592653589793, "rad/s", 0.01..=20.0;
+        /// Share of a velocity that is lost where it is attempted at the suite's greatest.
+        bend: f64 = 0.1, "1", 0.0..=0.5;
+        /// Standard deviation of the shares of each attempted velocity that come out as another.
+        leak_sd: f64 = 0.04, "1", 0.0..=0.3;
+        /// Standard deviation of the velocities that every action has on top, for example a turn to one side.
+        bias_sd: f64 = 0.03, "1", 0.0..=0.3;
+        /// Standard deviation of the velocities that each action has on top, of its own.
+        irregular_sd: f64 = 0.06, "1", 0.0..=0.3;
+        /// Which robot: the seed of its distortion, not of a log.
+        robot: u64 = 1, "1", 0.0..=9e15;
+    }
+}
+
+asami_dataset::parameters! {
+    /// When beacons are seen, and how large and where.
+    pub struct Sight {
+        /// Height of a beacon of 200 mm in the image times its distance from the camera (section 2.5.1).
+        height_px_m: f64 = 38.3887, "px.m", 1.0..=1000.0;
+        /// The camera ahead of the body's centre, from which distances are measured.
+        camera_ahead_m: f64 = 0.1, "m", 0.0..=0.3;
+        /// Pixels of a beacon's height that the vision loses at its rims.
+        lost_px: f64 = 1.0, "px", -5.0..=5.0;
+        /// Standard deviation of the noise on heights.
+        sigma1_px: f64 = 1.0, "px", 0.0..=20.0;
+        /// Standard deviation of the noise on bearings.
+        sigma2_rad: f64 = 0.5, "rad", 0.0..=2.0;
+        /// Beacons nearer to the body's centre are not recognised.
+        near_m: f64 = 1.275, "m", 0.2..=20.0;
+        /// Nor are beacons farther from it.
+        far_m: f64 = 4.175, "m", 0.2..=20.0;
+        /// Width of what the camera sees; 56.9 degrees on an ERS-7.
+        view_rad: f64 = 0.9931, "rad", 0.1..=6.2;
+        /// Greatest pan either way of the head while it scans.
+        scan_amplitude_rad: f64 = 1.4, "rad", 0.0..=3.2;
+        /// From left to right and back.
+        scan_period_s: f64 = 2.0, "s", 0.1..=60.0;
+        /// Share of the beacons in view that the vision recognises.
+        recognised: f64 = 0.86, "1", 0.0..=1.0;
+    }
+}
+
+/// The robot's tables in a scenario.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PlainConfig {
+    /// `[plain.motion]`
+    pub motion: Motion,
+    /// `[plain.distortion]`
+    pub distortion: Distortion,
+    /// `[plain.sight]`
+    pub sight: Sight,
+}
+
+impl PlainConfig {
+    /// The tables' parameters, for the catalogue.
+    #[must_use]
+    pub fn tables() -> [(&'static str, &'static [Parameter]); 3] {
+        [("motion", Motion::table()), ("distortion", Distortion::table()), ("sight", Sight::table())]
+    }
+
+    /// Adds a fault for every value out of range; `path` is the table's own place in the file.
+    pub fn check(&self, path: &str, faults: &mut Vec<Fault>) {
+        let tables: [(&str, &dyn Parameters); 3] =
+            [("motion", &self.motion), ("distortion", &self.distortion), ("sight", &self.sight)];
+        for (name, table) in tables {
+            table.check(&format!("{path}.{name}"), faults);
+        }
+        if self.sight.near_m >= self.sight.far_m {
+            let message = format!("near_m must be less than far_m ({}), not {}", self.sight.far_m, self.sight.near_m);
+            faults.push(Fault { path: format!("{path}.sight.near_m"), message });
+        }
+    }
+}
