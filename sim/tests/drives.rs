@@ -54,7 +54,7 @@ fn pacing_among_strides_keeps_its_phases_and_uses_every_stride() {
     let strides = Suite::default().strides();
     let mut pace = Pace::among(strides, Pacing::default(), Seed(1000).stream("drive"));
     let mut seen = Seen::default();
-    let (mut executed, mut near) = ([0; 21], false);
+    let (mut executed, mut near) = ([0_i32; 21], false);
     for tick in 0..3000 {
         let t_s = f64::from(tick) * 3.0;
         let (id, [_, ay, _]) = legs(&pace.act(t_s, &seen));
@@ -67,7 +67,7 @@ fn pacing_among_strides_keeps_its_phases_and_uses_every_stride() {
     // 1500 draws among 11 in either phase: 136, with a standard deviation of 11; standing is in both.
     for (id, count) in executed.into_iter().enumerate() {
         let expected = if id == 10 { 273 } else { 136 };
-        assert!((count - expected as i32).abs() < 65, "{id}: {count} times");
+        assert!((count - expected).abs() < 65, "{id}: {count} times");
     }
 }
 

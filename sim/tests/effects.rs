@@ -1,26 +1,40 @@
 //! One suite over the whole catalogue of effects: at null an effect changes no bit of a log, off null
 //! it does, and any two of them work together.
 
-use asami_dataset::{Action, Dataset, Rng, Seed};
+use asami_dataset::{Action, Dataset, Rng, Seed, TruePose};
+use asami_sim::drives::suite::Suite;
 use asami_sim::effect::About;
 use asami_sim::effects::{Effects, catalogue};
 use asami_sim::robots::aibo::{AiboConfig, AiboWorld, Start};
+use asami_sim::robots::plain::{PlainConfig, PlainWorld};
 use asami_sim::scenes::field::{Colour, Cylinder, Field, Landmark};
 use asami_sim::sensors::camera::CameraConfig;
-use asami_sim::world::{Drive, Seen, run};
+use asami_sim::world::{Drive, Seen, World, run};
 use rand::RngExt;
 
 /// Long enough for several strides, a change of command and a dozen dozen frames.
 const WALK_S: f64 = 6.0;
 
-fn walk(effects: &Effects, seed: u64) -> Dataset {
+/// The robots that have a world: each must bear every effect that fits it.
+const ROBOTS: [&str; 2] = ["aibo", "plain"];
+
+fn walk(robot: &str, effects: &Effects, seed: u64) -> Dataset {
+    let seed = Seed(seed);
+    run(&mut *world(robot, effects, seed), &mut Wander(seed.stream("drive"), None), WALK_S)
+}
+
+fn world(robot: &str, effects: &Effects, seed: Seed) -> Box<dyn World> {
     let bands = [Colour::Pink, Colour::Yellow];
     let body = Cylinder { x_m: 0.0, y_m: 0.0, radius_m: 0.05, base_m: 0.1, height_m: 0.2, bands };
     let field = Field { beacons: vec![Landmark { id: 0, body }], clutter: Vec::new() };
+    if robot == "plain" {
+        let (config, suite) = (PlainConfig::default(), Suite::default());
+        let start = TruePose { t_s: 0.0, x_m: 0.0, y_m: -2.0, theta_rad: 0.0, v_m_per_s: None };
+        return Box::new(PlainWorld::new(&config, &suite, &field, effects, start, seed));
+    }
     let start = Start { y_m: -2.0, ..Start::default() };
-    let (config, camera, seed) = (AiboConfig::default(), CameraConfig::default(), Seed(seed));
-    let mut world = AiboWorld::new(&config, &field, &camera, effects, start, seed).expect("the shipped robot");
-    run(&mut world, &mut Wander(seed.stream("drive"), None), WALK_S)
+    let (config, camera) = (AiboConfig::default(), CameraConfig::default());
+    Box::new(AiboWorld::new(&config, &field, &camera, effects, start, seed).expect("the shipped robot"))
 }
 
 /// Commands in all three directions at once, new every 1.5 s.
@@ -44,7 +58,7 @@ impl Wander {
     }
 }
 
-/// Of the effects that fit the Aibo, one with every parameter set by `choose`.
+/// One effect with every parameter set by `choose`.
 fn set(about: &About, choose: impl Fn(&asami_dataset::parameters::Parameter) -> f64) -> Effects {
     let mut effects = Effects::default();
     for parameter in about.parameters {
@@ -53,8 +67,8 @@ fn set(about: &About, choose: impl Fn(&asami_dataset::parameters::Parameter) -> 
     effects
 }
 
-fn of_the_aibo() -> Vec<&'static About> {
-    catalogue().into_iter().filter(|about| about.fits.contains(&"aibo")).collect()
+fn fitting(robot: &str) -> Vec<&'static About> {
+    catalogue().into_iter().filter(|about| about.fits.contains(&robot)).collect()
 }
 
 /// The end of a parameter's range that is farther from its null value.
@@ -90,33 +104,40 @@ fn the_catalogue_is_complete_and_says_what_it_is() {
 
 #[test]
 fn at_null_no_bit_changes_and_off_null_the_log_does() {
-    let nominal = walk(&Effects::default(), 1);
-    for about in of_the_aibo() {
-        let null = walk(&set(about, |parameter| parameter.default), 1);
-        assert!(null == nominal, "{} at null changes the log", about.name);
-        let mut effects = set(about, |parameter| parameter.default);
-        for parameter in about.parameters {
-            effects.set(about.name, parameter.name, far(parameter));
-            assert!(walk(&effects, 1) != nominal, "{}.{} changes nothing", about.name, parameter.name);
-            effects.set(about.name, parameter.name, parameter.default);
+    for robot in ROBOTS {
+        let nominal = walk(robot, &Effects::default(), 1);
+        let fitting = fitting(robot);
+        assert!(fitting.len() >= 2, "effects for {robot}: {}", fitting.len());
+        for about in fitting {
+            let null = walk(robot, &set(about, |parameter| parameter.default), 1);
+            assert!(null == nominal, "{} at null changes the log of {robot}", about.name);
+            let mut effects = set(about, |parameter| parameter.default);
+            for parameter in about.parameters {
+                effects.set(about.name, parameter.name, far(parameter));
+                let log = walk(robot, &effects, 1);
+                assert!(log != nominal, "{}.{} changes nothing of {robot}", about.name, parameter.name);
+                effects.set(about.name, parameter.name, parameter.default);
+            }
         }
     }
 }
 
 #[test]
 fn any_two_effects_work_together() {
-    let all = of_the_aibo();
-    for (i, one) in all.iter().enumerate() {
-        for other in &all[i + 1..] {
-            let mut both = set(one, far);
-            for parameter in other.parameters {
-                both.set(other.name, parameter.name, far(parameter));
+    for robot in ROBOTS {
+        let all = fitting(robot);
+        for (i, one) in all.iter().enumerate() {
+            for other in &all[i + 1..] {
+                let mut both = set(one, far);
+                for parameter in other.parameters {
+                    both.set(other.name, parameter.name, far(parameter));
+                }
+                let dataset = walk(robot, &both, 2);
+                assert!(!dataset.log.sightings.is_empty(), "{robot}: {} and {}", one.name, other.name);
+                let finite = dataset.truth.track.iter().all(|pose| (pose.x_m + pose.y_m + pose.theta_rad).is_finite());
+                assert!(finite, "{robot}: {} and {}", one.name, other.name);
+                assert!(dataset != walk(robot, &set(one, far), 2), "{robot}: {} hides {}", one.name, other.name);
             }
-            let dataset = walk(&both, 2);
-            assert!(!dataset.log.sightings.is_empty(), "{} and {}", one.name, other.name);
-            let finite = dataset.truth.track.iter().all(|pose| (pose.x_m + pose.y_m + pose.theta_rad).is_finite());
-            assert!(finite, "{} and {}", one.name, other.name);
-            assert!(dataset != walk(&set(one, far), 2), "{} hides {}", one.name, other.name);
         }
     }
 }
@@ -124,12 +145,14 @@ fn any_two_effects_work_together() {
 /// One effect's draws leave every other stream alone: the commands are the same with and without it.
 #[test]
 fn switching_an_effect_on_leaves_the_policys_draws_alone() {
-    let speeds = |effects: &Effects| -> Vec<f64> {
-        let log = walk(effects, 3).log;
-        log.commands.iter().filter_map(|row| row.action.forward_m_per_s()).collect()
-    };
-    let nominal = speeds(&Effects::default());
-    for about in of_the_aibo() {
-        assert_eq!(speeds(&set(about, far)), nominal, "{}", about.name);
+    for robot in ROBOTS {
+        let speeds = |effects: &Effects| -> Vec<f64> {
+            let log = walk(robot, effects, 3).log;
+            log.commands.iter().filter_map(|row| row.action.forward_m_per_s()).collect()
+        };
+        let nominal = speeds(&Effects::default());
+        for about in fitting(robot) {
+            assert_eq!(speeds(&set(about, far)), nominal, "{robot}: {}", about.name);
+        }
     }
 }

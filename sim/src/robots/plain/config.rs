@@ -1,5 +1,8 @@
 //! Every number of the robot that a scenario may set.
 
+// Defaults are literals, pi among them, to its last digit.
+#![allow(clippy::approx_constant)]
+
 use asami_dataset::parameters::{Fault, Parameter, Parameters};
 use serde::{Deserialize, Serialize};
 
