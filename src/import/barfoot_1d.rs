@@ -17,8 +17,9 @@ use std::path::{Path, PathBuf};
 use asami_dataset::log::RangeBearing;
 use asami_dataset::{Action, Beacon, Command, Dataset, Frame, Known, Log, Sighting, Size, Survey, TruePose, Truth};
 
-use super::columns::{self, Row, Timing};
-use super::{ImportError, Imported, Importer};
+use super::clock::{self, Timing};
+use super::columns::{self, Row, required};
+use super::{ImportError, Imported, Importer, Read, units};
 
 /// Place of the cylinder along the rail (the data set's documentation).
 const LANDMARK_M: f64 = 4.428479;
@@ -32,7 +33,7 @@ pub static IMPORTER: Importer = Importer {
     name: "barfoot-1d",
     what: "A robot on a rail facing a cylinder: wheel speed, laser range, motion capture (log.csv or log.csv.gz).",
     source: "T. Barfoot, University of Toronto: the \"Giant Glass of Milk\" course data",
-    read,
+    read: Read::One(read),
 };
 
 /// Reads the log at `source`, a file or the folder that holds it.
@@ -46,23 +47,17 @@ pub fn read(source: &Path) -> Result<Imported, ImportError> {
         .iter()
         .map(|(line, values)| required(&file, *line, "t_s", values[0]).map(|t_s| (*line, t_s)))
         .collect::<Result<_, _>>()?;
-    let timing = columns::timing(&file, "t_s", &times)?;
+    let timing = clock::timing(&file, "t_s", &times)?;
     let dataset = dataset(&file, &rows, &timing)?;
     let notes = notes(&dataset, &timing);
     Ok(Imported { dataset, notes })
 }
 
 fn find(source: &Path) -> Result<PathBuf, ImportError> {
-    let candidates = [source.to_owned(), source.join("log.csv"), source.join("log.csv.gz")];
-    candidates.into_iter().find(|path| path.is_file()).ok_or_else(|| ImportError::Absent {
+    columns::find(source, "log.csv").ok_or_else(|| ImportError::Absent {
         path: source.to_owned(),
         hint: "the log is T. Barfoot's \"Giant Glass of Milk\" course data (University of Toronto), as log.csv or log.csv.gz",
     })
-}
-
-fn required(file: &Path, line: u64, column: &'static str, value: Option<f64>) -> Result<f64, ImportError> {
-    let file = file.to_owned();
-    value.ok_or(ImportError::Value { file, line, column, rule: "must be a finite number", found: "empty".to_owned() })
 }
 
 fn dataset(file: &Path, rows: &[Row<4>], timing: &Timing) -> Result<Dataset, ImportError> {
@@ -73,10 +68,7 @@ fn dataset(file: &Path, rows: &[Row<4>], timing: &Timing) -> Result<Dataset, Imp
         commands.push(Command { t_s, action: Action::Wheels { id: None, v_m_per_s, omega_rad_per_s: 0.0 } });
         frames.push(Frame { t_s, head_pan_rad: 0.0 });
         if let Some(range_m) = *range {
-            if range_m <= 0.0 {
-                let (rule, found) = ("must be greater than 0 or empty", format!("{range_m:?}"));
-                return Err(ImportError::Value { file: file.to_owned(), line: *line, column: "range_m", rule, found });
-            }
+            let range_m = units::range(file, *line, "range_m", range_m)?;
             sightings.push(Sighting { t_s, landmark: 0, size: Size::RangeM(range_m), bearing_rad: 0.0 });
         }
         if let Some(y_m) = *x_true {
@@ -116,13 +108,13 @@ fn notes(dataset: &Dataset, timing: &Timing) -> Vec<String> {
         "assumed: the rail, +x in the source, is the world's y axis, and the robot faces +y (theta 0)".to_owned(),
         format!("assumed: the laser's reach is the longest range in the log, {max_range_m:.6} m"),
         format!("assumed: the range's variance is {RANGE_VAR_M2} m^2, as documented (survey.toml, sigma1_m)"),
-        format!("found: {frames} rows over {span_s:.1} s at {:.3} Hz, times increasing", timing.rate_hz),
-        format!("found: steps of {:.4} to {:.4} s, {} gaps", timing.steps_s.0, timing.steps_s.1, timing.gaps_s.len()),
+        format!("found: {frames} rows over {span_s:.1} s, times increasing"),
         format!("found: {} frames without a range", frames - log.sightings.len()),
     ];
-    notes.extend(
-        timing.gaps_s.iter().take(10).map(|(from_s, to_s)| format!("found: a gap from {from_s:.3} to {to_s:.3} s")),
-    );
+    notes.extend(timing.notes("rows"));
+    let speeds = log.commands.iter().filter_map(|command| command.action.forward_m_per_s());
+    notes.extend(units::hint("wheel speeds", speeds, units::FAST_M_PER_S, "m/s"));
+    notes.extend(units::hint("ranges", log.sightings.iter().map(|seen| seen.size.value()), units::FAR_M, "m"));
     if let Some(lead_s) = lead_s(log, &truth.track) {
         notes.push(format!("found: the range runs ahead of the motion capture by {lead_s:.3} s; left as it is"));
     }

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use flate2::read::GzDecoder;
 
@@ -14,18 +14,53 @@ const LONGEST_BYTES: u64 = 256 << 20;
 /// A row: its line in the file, and one value a column, `None` where the field is empty.
 pub type Row<const N: usize> = (u64, [Option<f64>; N]);
 
+/// The text of a file, gunzipped if its name ends in `.gz`.
+///
+/// # Errors
+/// [`ImportError`] if it cannot be opened.
+pub fn open(path: &Path) -> Result<Box<dyn Read>, ImportError> {
+    let file =
+        File::open(path).map_err(|error| ImportError::Unreadable { file: path.to_owned(), why: error.to_string() })?;
+    Ok(match path.extension().is_some_and(|extension| extension == "gz") {
+        true => Box::new(GzDecoder::new(file).take(LONGEST_BYTES)),
+        false => Box::new(file.take(LONGEST_BYTES)),
+    })
+}
+
+/// The file `name` or `name.gz` in `folder`; or `folder` itself, if it is a file.
+#[must_use]
+pub fn find(folder: &Path, name: &str) -> Option<PathBuf> {
+    [folder.to_owned(), folder.join(name), folder.join(format!("{name}.gz"))].into_iter().find(|path| path.is_file())
+}
+
+/// The number that a row must have under `column`.
+///
+/// # Errors
+/// [`ImportError`] where the field is empty.
+pub fn required(file: &Path, line: u64, column: &'static str, value: Option<f64>) -> Result<f64, ImportError> {
+    let file = file.to_owned();
+    value.ok_or(ImportError::Value { file, line, column, rule: "must be a finite number", found: "empty".to_owned() })
+}
+
+/// A number that counts or names.
+///
+/// # Errors
+/// [`ImportError`] where it is not a whole number that fits.
+pub fn whole(file: &Path, line: u64, column: &'static str, value: f64) -> Result<u16, ImportError> {
+    if value.fract() == 0.0 && (0.0..=f64::from(u16::MAX)).contains(&value) {
+        return Ok(value as u16);
+    }
+    let rule = "must be a whole number in 0..=65535";
+    Err(ImportError::Value { file: file.to_owned(), line, column, rule, found: value.to_string() })
+}
+
 /// The columns `names` of `path`, whatever others there are; gunzipped if its name ends in `.gz`.
 ///
 /// # Errors
 /// [`ImportError`] where the file cannot be read, lacks a column, or a value is not a finite number.
 pub fn read<const N: usize>(path: &Path, names: [&'static str; N]) -> Result<Vec<Row<N>>, ImportError> {
     let unreadable = |why: String| ImportError::Unreadable { file: path.to_owned(), why };
-    let file = File::open(path).map_err(|e| unreadable(e.to_string()))?;
-    let plain: Box<dyn Read> = match path.extension().is_some_and(|extension| extension == "gz") {
-        true => Box::new(GzDecoder::new(file)),
-        false => Box::new(file),
-    };
-    let mut csv = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(plain.take(LONGEST_BYTES));
+    let mut csv = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(open(path)?);
     let header = csv.headers().map_err(|e| unreadable(e.to_string()))?.clone();
     let mut places = [0; N];
     for (place, name) in places.iter_mut().zip(names) {
@@ -54,44 +89,11 @@ pub fn read<const N: usize>(path: &Path, names: [&'static str; N]) -> Result<Vec
     Ok(rows)
 }
 
-fn number(field: &str) -> Result<Option<f64>, String> {
+/// A field's number, `None` where it is empty; or the field, cut short for a message.
+pub(super) fn number(field: &str) -> Result<Option<f64>, String> {
     if field.is_empty() {
         return Ok(None);
     }
     let shown = || field.chars().take(40).collect();
     field.parse::<f64>().ok().filter(|value| value.is_finite()).map(Some).ok_or_else(shown)
-}
-
-/// How regularly rows come.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Timing {
-    /// One over the median step.
-    pub rate_hz: f64,
-    /// Where a step is more than one and a half times the median: from, to.
-    pub gaps_s: Vec<(f64, f64)>,
-    /// Shortest and longest step.
-    pub steps_s: (f64, f64),
-}
-
-/// Checks that times increase, and measures their rate and gaps.
-///
-/// # Errors
-/// [`ImportError`] for the first time that does not increase, or for fewer than two.
-pub fn timing(file: &Path, column: &'static str, times: &[(u64, f64)]) -> Result<Timing, ImportError> {
-    if times.len() < 2 {
-        return Err(ImportError::TooShort { file: file.to_owned(), needed: 2, found: times.len() });
-    }
-    if let Some(pair) = times.windows(2).find(|pair| pair[1].1 <= pair[0].1) {
-        let ((_, before_s), (line, t_s)) = (pair[0], pair[1]);
-        let found = format!("{t_s} after {before_s}");
-        return Err(ImportError::Value { file: file.to_owned(), line, column, rule: "must increase", found });
-    }
-    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1].1 - pair[0].1).collect();
-    let gaps = |median: f64| {
-        let long = times.windows(2).filter(|pair| pair[1].1 - pair[0].1 > 1.5 * median);
-        long.map(|pair| (pair[0].1, pair[1].1)).collect()
-    };
-    steps.sort_by(f64::total_cmp);
-    let median = steps[steps.len() / 2];
-    Ok(Timing { rate_hz: 1.0 / median, gaps_s: gaps(median), steps_s: (steps[0], steps[steps.len() - 1]) })
 }

@@ -96,7 +96,7 @@ impl Recorded {
         let formats = import::catalogue();
         let importer = recording.format.as_deref().and_then(|name| formats.iter().find(|it| it.name == name));
         let whole = match importer {
-            Some(importer) => (importer.read)(path).map_err(|error| miette::miette!("{error}"))?.dataset,
+            Some(importer) => importer.import(path, None).map_err(|error| miette::miette!("{error}"))?.dataset,
             None => store::read(path).map_err(crate::verb::shown)?,
         };
         let (first_s, last_s) = whole.log.span_s().unwrap_or((0.0, 0.0));

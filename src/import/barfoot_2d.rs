@@ -1,0 +1,165 @@
+//! A robot among 17 tubes: Tim Barfoot's "Lost in the Woods" course data (University of Toronto Institute for
+//! Aerospace Studies), a log of chapter 4 from a real robot.
+//!
+//! A folder with three files, each plain or `.gz`:
+//!
+//! | file | columns |
+//! |---|---|
+//! | `landmarks.csv` | `landmark,x_m,y_m`: the tubes' true places |
+//! | `odometry_and_truth.csv` | `t_s,v_odometry_m_per_s,omega_odometry_rad_per_s,x_true_m,y_true_m,theta_true_rad,truth_valid` |
+//! | `sightings.csv` | `t_s,landmark,range_m,bearing_rad`, from the laser |
+//!
+//! In the source heading 0 faces +x. Here it faces +y: pi/2 is taken off every heading, and places stay as they are.
+
+use std::f64::consts::FRAC_PI_2;
+use std::path::{Path, PathBuf};
+
+use asami_dataset::log::RangeBearing;
+use asami_dataset::{Action, Beacon, Command, Dataset, Frame, Known, Log, Sighting, Size, Survey, TruePose, Truth};
+use asami_math::angle::wrap_rad;
+
+use super::capture::Agreement;
+use super::columns::{self, required};
+use super::{ImportError, Imported, Importer, Read, clock, units};
+
+/// How far the laser sits ahead of the robot's centre (the data set's documentation).
+const LASER_AHEAD_M: f64 = 0.219016;
+
+const LANDMARKS: [&str; 3] = ["landmark", "x_m", "y_m"];
+const TRACK: [&str; 7] =
+    ["t_s", "v_odometry_m_per_s", "omega_odometry_rad_per_s", "x_true_m", "y_true_m", "theta_true_rad", "truth_valid"];
+const SIGHTINGS: [&str; 4] = ["t_s", "landmark", "range_m", "bearing_rad"];
+
+/// The importer's row in the list.
+pub static IMPORTER: Importer = Importer {
+    name: "barfoot-2d",
+    what: "A robot among 17 tubes: wheel speeds, laser ranges and bearings, motion capture (a folder of three CSV files).",
+    source: "T. Barfoot, University of Toronto: the \"Lost in the Woods\" course data",
+    read: Read::One(read),
+};
+
+/// Reads the log in the folder `source`.
+///
+/// # Errors
+/// [`ImportError`] where there is no such log, or it is not as documented above.
+pub fn read(source: &Path) -> Result<Imported, ImportError> {
+    let landmarks = landmarks(&file(source, "landmarks.csv")?)?;
+    let (commands, frames, track, mut notes) = track(&file(source, "odometry_and_truth.csv")?)?;
+    let (sightings, others) = sightings(&file(source, "sightings.csv")?, &landmarks, &frames)?;
+    notes.extend(others);
+    let max_range_m = sightings.iter().map(|seen| seen.size.value()).fold(f64::MIN_POSITIVE, f64::max);
+    notes.push(format!("assumed: the laser's reach is the longest range in the log, {max_range_m:.6} m"));
+
+    let known = Known {
+        robot: "create".to_owned(),
+        command_rate_hz: Some(10.0),
+        range_bearing: Some(RangeBearing { max_range_m, sensor_origin_m: [0.0, LASER_AHEAD_M] }),
+        landmarks,
+        ..Known::default()
+    };
+    let log = Log {
+        known: known.into(),
+        commands: commands.into(),
+        frames: Some(frames.into()),
+        sightings: sightings.into(),
+        ..Log::default()
+    };
+    let agreement = Agreement::of(&log, &track);
+    notes.extend(agreement.iter().flat_map(Agreement::notes));
+    let survey = agreement.map(|found| Survey {
+        sigma1_m: Some(found.sigma1_m),
+        sigma2_rad: Some(found.sigma2_rad),
+        ..Survey::default()
+    });
+    Ok(Imported { dataset: Dataset { log, truth: Truth { track: track.into(), survey }, provenance: None }, notes })
+}
+
+fn file(source: &Path, name: &str) -> Result<PathBuf, ImportError> {
+    let found = if source.is_dir() { columns::find(source, name) } else { None };
+    found.ok_or_else(|| ImportError::Absent {
+        path: source.join(name),
+        hint: "the log is T. Barfoot's \"Lost in the Woods\" course data (University of Toronto), as a folder with \
+               landmarks.csv, odometry_and_truth.csv and sightings.csv, each plain or .gz",
+    })
+}
+
+fn landmarks(file: &Path) -> Result<Vec<Beacon>, ImportError> {
+    let mut landmarks: Vec<Beacon> = Vec::new();
+    for (line, [id, x, y]) in columns::read(file, LANDMARKS)? {
+        let id = columns::whole(file, line, "landmark", required(file, line, "landmark", id)?)?;
+        if landmarks.last().is_some_and(|last| last.id >= id) {
+            let (rule, found) = ("must increase", id.to_string());
+            return Err(ImportError::Value { file: file.to_owned(), line, column: "landmark", rule, found });
+        }
+        let (x_m, y_m) = (required(file, line, "x_m", x)?, required(file, line, "y_m", y)?);
+        landmarks.push(Beacon { id, x_m, y_m, height_m: None });
+    }
+    Ok(landmarks)
+}
+
+type Track = (Vec<Command>, Vec<Frame>, Vec<TruePose>, Vec<String>);
+
+fn track(file: &Path) -> Result<Track, ImportError> {
+    let (mut commands, mut frames, mut track, mut times) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for (line, values) in columns::read(file, TRACK)? {
+        let must = |column: usize| required(file, line, TRACK[column], values[column]);
+        let t_s = must(0)?;
+        times.push((line, t_s));
+        let action = Action::Wheels { id: None, v_m_per_s: must(1)?, omega_rad_per_s: must(2)? };
+        commands.push(Command { t_s, action });
+        frames.push(Frame { t_s, head_pan_rad: 0.0 });
+        if must(6)? != 0.0 {
+            let theta_rad = wrap_rad(units::radians(file, line, TRACK[5], must(5)?)? - FRAC_PI_2);
+            track.push(TruePose { t_s, x_m: must(3)?, y_m: must(4)?, theta_rad, v_m_per_s: None });
+        }
+    }
+    let timing = clock::timing(file, "t_s", &times)?;
+    let span_s = times[times.len() - 1].1 - times[0].1;
+    let mut notes = vec![
+        "assumed: the wheels' speeds stand in for the command, held until the next (commands.csv, robot \"create\")"
+            .to_owned(),
+        "assumed: heading 0 faces +x in the source; pi/2 is taken off, so that 0 faces +y; places stay".to_owned(),
+        format!("assumed: ranges and bearings are the laser's, {LASER_AHEAD_M} m ahead of the robot's centre"),
+        "assumed: every row is a frame of the laser, also where no tube was seen".to_owned(),
+        format!("found: {} rows over {span_s:.1} s, {} of them without truth", times.len(), times.len() - track.len()),
+    ];
+    notes.extend(timing.notes("rows"));
+    let speeds = commands.iter().filter_map(|command: &Command| command.action.forward_m_per_s());
+    notes.extend(units::hint("wheel speeds", speeds, units::FAST_M_PER_S, "m/s"));
+    let turns = commands.iter().filter_map(|command| match command.action {
+        Action::Wheels { omega_rad_per_s, .. } => Some(omega_rad_per_s),
+        _ => None,
+    });
+    notes.extend(units::hint("turning rates", turns, units::FAST_RAD_PER_S, "rad/s"));
+    Ok((commands, frames, track, notes))
+}
+
+fn sightings(file: &Path, landmarks: &[Beacon], frames: &[Frame]) -> Result<(Vec<Sighting>, Vec<String>), ImportError> {
+    let (mut sightings, mut times) = (Vec::new(), Vec::new());
+    for (line, values) in columns::read(file, SIGHTINGS)? {
+        let must = |column: usize| required(file, line, SIGHTINGS[column], values[column]);
+        let refused = |column, rule, found: f64| {
+            Err(ImportError::Value { file: file.to_owned(), line, column, rule, found: found.to_string() })
+        };
+        let t_s = must(0)?;
+        times.push((line, t_s));
+        if frames.binary_search_by(|frame| frame.t_s.total_cmp(&t_s)).is_err() {
+            return refused("t_s", "must be the time of a row of odometry_and_truth.csv", t_s);
+        }
+        let landmark = columns::whole(file, line, "landmark", must(1)?)?;
+        if !landmarks.iter().any(|it| it.id == landmark) {
+            return refused("landmark", "must be one of landmarks.csv", f64::from(landmark));
+        }
+        sightings.push(Sighting {
+            t_s,
+            landmark,
+            size: Size::RangeM(units::range(file, line, "range_m", must(2)?)?),
+            bearing_rad: units::radians(file, line, "bearing_rad", must(3)?)?,
+        });
+    }
+    clock::forward(file, "t_s", &times)?;
+    let mut notes = vec![format!("found: {} sightings of {} tubes", sightings.len(), landmarks.len())];
+    let ranges = sightings.iter().map(|seen| seen.size.value());
+    notes.extend(units::hint("ranges", ranges, units::FAR_M, "m"));
+    Ok((sightings, notes))
+}

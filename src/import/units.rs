@@ -1,0 +1,50 @@
+//! What a column in the wrong unit looks like.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use asami_math::angle::wrap_rad;
+
+use super::ImportError;
+
+/// An angle, wrapped to `[-pi, pi)`: more than a turn is no angle in radians.
+///
+/// # Errors
+/// [`ImportError`], asking for degrees, where it is more.
+pub fn radians(file: &Path, line: u64, column: &'static str, angle_rad: f64) -> Result<f64, ImportError> {
+    if angle_rad.abs() <= TAU {
+        return Ok(wrap_rad(angle_rad));
+    }
+    let rule = "must be an angle of at most a turn, 2 pi rad (is the column in degrees?)";
+    Err(ImportError::Value { file: file.to_owned(), line, column, rule, found: angle_rad.to_string() })
+}
+
+/// A range, which must be greater than 0.
+///
+/// # Errors
+/// [`ImportError`] where it is not.
+pub fn range(file: &Path, line: u64, column: &'static str, range_m: f64) -> Result<f64, ImportError> {
+    if range_m > 0.0 {
+        return Ok(range_m);
+    }
+    let (rule, found) = ("must be greater than 0", format!("{range_m:?}"));
+    Err(ImportError::Value { file: file.to_owned(), line, column, rule, found })
+}
+
+/// A sentence, where half of the numbers of a column called `what` exceed `most`, what a wheeled robot indoors has:
+/// their `unit` may be a thousandth, or degrees.
+#[must_use]
+pub fn hint(what: &str, values: impl Iterator<Item = f64>, most: f64, unit: &str) -> Option<String> {
+    let mut sizes: Vec<f64> = values.map(f64::abs).filter(|size| *size > 0.0).collect();
+    sizes.sort_by(f64::total_cmp);
+    let median = *sizes.get(sizes.len() / 2)?;
+    let other = if unit.starts_with("rad") { "degrees" } else { "millimetres" };
+    (median > most).then(|| format!("hint: half of the {what} exceed {median} {unit}; is the column in {other}?"))
+}
+
+/// Ranges of sensors and places of landmarks indoors, m.
+pub const FAR_M: f64 = 200.0;
+/// Speeds of wheeled robots, m/s.
+pub const FAST_M_PER_S: f64 = 20.0;
+/// Turning rates of wheeled robots, rad/s.
+pub const FAST_RAD_PER_S: f64 = 15.0;

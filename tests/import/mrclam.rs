@@ -1,0 +1,159 @@
+//! Five robots among landmarks.
+
+use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
+use std::io::Write;
+use std::path::Path;
+
+use asami::import::mrclam::read;
+use asami_dataset::{Action, Dataset, Size, store};
+
+use crate::{import, real, said, unspaced};
+
+/// A robot that drives along +x at 0.1 m/s and sees a landmark ahead, another robot, and a barcode that nobody has.
+fn source() -> BTreeMap<&'static str, String> {
+    let (mut odometry, mut measurement, mut groundtruth) = (String::new(), String::new(), String::new());
+    for n in 0..100 {
+        let t_s = 1_248_444_175.0 + f64::from(n) * 0.1;
+        let x_m = f64::from(n) * 0.01;
+        odometry += &format!("{t_s:.3} \t 0.100 \t -0.000\n");
+        groundtruth += &format!("{t_s:.3} \t {x_m:.6} \t 0.0 \t 0.0\n");
+        if n >= 10 && n % 10 == 0 {
+            measurement +=
+                &format!("{t_s:.3} \t 14 \t {:.6} \t {:.6}\n", (4.0 - x_m).hypot(1.0), 1.0f64.atan2(4.0 - x_m));
+            measurement += &format!("{t_s:.3} \t 41 \t 2.0 \t 0.1\n{t_s:.3} \t 99 \t 2.0 \t 0.1\n");
+        }
+    }
+    BTreeMap::from([
+        ("Barcodes.dat", "# Subject #    Barcode #\n  1 \t 5\n  3 \t 41\n  6 \t 14\n".to_owned()),
+        ("Landmark_Groundtruth.dat", "# Subject\n  6 \t 4.0 \t 1.0 \t 0.00004570 \t 0.00027395\n".to_owned()),
+        ("Robot1_Odometry.dat", "# Time [s]\n".to_owned() + &odometry),
+        ("Robot1_Measurement.dat", "# Time [s]\n".to_owned() + &measurement),
+        ("Robot1_Groundtruth.dat", "# Time [s]\n".to_owned() + &groundtruth),
+    ])
+}
+
+fn write(files: &BTreeMap<&str, String>, dir: &Path) {
+    for (name, text) in files {
+        std::fs::write(dir.join(name), text).unwrap();
+    }
+}
+
+#[test]
+fn a_made_log_becomes_a_data_set_in_our_frame() {
+    let (plain, zipped) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    write(&source(), plain.path());
+    for (name, text) in source() {
+        let file = std::fs::File::create(zipped.path().join(format!("{name}.gz"))).unwrap();
+        let mut gz = flate2::write::GzEncoder::new(file, Default::default());
+        gz.write_all(text.as_bytes()).unwrap();
+        gz.finish().unwrap();
+    }
+    let out = plain.path().join("set");
+    let run = import("mrclam", plain.path(), Some(1), &out);
+    assert!(run.status.success(), "{run:?}");
+    for sentence in [
+        "are velocity commands",
+        "heading 0 faces +x in the source",
+        "time 0 is 1248444175.000 s",
+        "commands at 10.000 Hz",
+        "9 sightings of other robots, ignored",
+        "9 sightings of barcodes that nobody carries, ignored",
+    ] {
+        assert!(said(&run).contains(&unspaced(sentence)), "{sentence}: {run:?}");
+    }
+    let dataset = store::read(&out).unwrap();
+    assert_eq!(dataset, read(zipped.path(), 1).unwrap().dataset, "gzipped or not");
+    let Dataset { log, truth, .. } = dataset;
+    assert_eq!((log.commands.len(), log.sightings.len(), truth.track.len()), (100, 9, 100));
+    assert!(log.frames.is_none(), "misses are unknown");
+    assert_eq!(log.commands[1].t_s, 0.1);
+    assert_eq!(log.commands[1].action, Action::Wheels { id: None, v_m_per_s: 0.1, omega_rad_per_s: 0.0 });
+    // Along +x is a heading of -pi/2 here, and what lies at +y of it is to its left.
+    assert!(truth.track.iter().all(|pose| (pose.theta_rad + FRAC_PI_2).abs() < 1e-12));
+    let seen = log.sightings[0];
+    assert!(matches!(seen.size, Size::RangeM(range_m) if (range_m - 3.9f64.hypot(1.0)).abs() < 1e-6));
+    assert!((seen.bearing_rad - 1.0f64.atan2(3.9)).abs() < 1e-6);
+}
+
+#[test]
+fn of_two_commands_of_one_time_the_later_holds() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut files = source();
+    let twice =
+        files["Robot1_Odometry.dat"].replacen("75.100 \t 0.100", "75.100 \t 0.3 \t 0.1\n1248444175.100 \t 0.2", 1);
+    files.insert("Robot1_Odometry.dat", twice);
+    write(&files, dir.path());
+    let imported = read(dir.path(), 1).unwrap();
+    assert!(imported.notes.join("\n").contains("100 commands, and 1 replaced"), "{:?}", imported.notes);
+    assert_eq!(imported.dataset.log.commands[1].action.forward_m_per_s(), Some(0.2));
+}
+
+#[test]
+fn broken_sources_are_refused_with_their_line() {
+    let dir = tempfile::tempdir().unwrap();
+    let cases = [
+        (
+            "Barcodes.dat",
+            "6 \t 14",
+            "7 \t 14",
+            "Barcodes.dat:4: subject must be a robot or a landmark of Landmark_Groundtruth.dat, not 7",
+        ),
+        ("Barcodes.dat", "6 \t 14", "6 \t 41", "Barcodes.dat:4: barcode must belong to one subject, not 41"),
+        ("Landmark_Groundtruth.dat", "  6", "  4", "Landmark_Groundtruth.dat:2: subject must be greater than"),
+        ("Landmark_Groundtruth.dat", "4.0 \t", "", "must have 5 fields (subject x y x std-dev y std-dev), not 4"),
+        ("Robot1_Odometry.dat", "175.100", "174.100", "Robot1_Odometry.dat:3: time must not decrease"),
+        (
+            "Robot1_Odometry.dat",
+            "0.100",
+            "fast",
+            "Robot1_Odometry.dat:2: forward velocity must be a finite number, not fast",
+        ),
+        ("Robot1_Measurement.dat", "14 \t ", "14 \t -", "Robot1_Measurement.dat:2: range must be greater than 0"),
+        (
+            "Robot1_Measurement.dat",
+            "2.0 \t 0.1",
+            "2.0 \t 45",
+            "bearing must be an angle of at most a turn, 2 pi rad (is the column in degrees?), not 45",
+        ),
+        ("Robot1_Groundtruth.dat", "175.100", "175.000", "Robot1_Groundtruth.dat:3: time must increase"),
+        ("Robot1_Groundtruth.dat", "0.0\n", "NaN\n", "orientation must be a finite number, not NaN"),
+    ];
+    for (file, from, to, expected) in cases {
+        let mut files = source();
+        let text = &files[file];
+        assert!(text.contains(from), "{file}: {from:?}");
+        files.insert(file, text.replacen(from, to, 1));
+        write(&files, dir.path());
+        let run = import("mrclam", dir.path(), Some(1), &dir.path().join("set"));
+        assert_eq!(run.status.code(), Some(2));
+        assert!(said(&run).contains(&unspaced(expected)), "\nwanted: {expected}\nfound:  {}", said(&run));
+    }
+    for (robot, expected) in
+        [(None, "not none"), (Some(6), "one of 1, 2, 3, 4, 5 for mrclam, not 6"), (Some(2), "no such file")]
+    {
+        write(&source(), dir.path());
+        let run = import("mrclam", dir.path(), robot, &dir.path().join("set"));
+        assert_eq!(run.status.code(), Some(2));
+        assert!(said(&run).contains(&unspaced(expected)), "{}", said(&run));
+    }
+}
+
+#[test]
+fn the_real_logs_are_read_whole() {
+    let Some(source) = real("mrclam6") else { return };
+    let rows =
+        [(61785, 1534, 49241), (65004, 3239, 59705), (61150, 4348, 56977), (52906, 2023, 61714), (60563, 4239, 57467)];
+    for (robot, (commands, sightings, poses)) in (1..).zip(rows) {
+        let imported = read(&source, robot).unwrap();
+        let Dataset { log, truth, .. } = &imported.dataset;
+        assert_eq!(
+            (log.commands.len(), log.sightings.len(), truth.track.len()),
+            (commands, sightings, poses),
+            "{robot}"
+        );
+        assert_eq!(log.known.landmarks.len(), 15);
+        // Bearings are right to a degree or so only if frames and signs are.
+        assert!(truth.survey.as_ref().unwrap().sigma2_rad.unwrap() < 0.02);
+    }
+}
