@@ -57,9 +57,9 @@ asami_dataset::parameters! {
         /// Standard deviation of the noise on bearings.
         sigma2_rad: f64 = 0.5, "rad", 0.0..=2.0;
         /// Beacons nearer to the body's centre are not recognised.
-        near_m: f64 = 1.275, "m", 0.2..=20.0;
+        near_m: f64 = 1.275, "m", 0.5..=20.0;
         /// Nor are beacons farther from it.
-        far_m: f64 = 4.175, "m", 0.2..=20.0;
+        far_m: f64 = 4.175, "m", 0.5..=20.0;
         /// Width of what the camera sees; 56.9 degrees on an ERS-7.
         view_rad: f64 = 0.9931, "rad", 0.1..=6.2;
         /// Greatest pan either way of the head while it scans.
@@ -101,5 +101,33 @@ impl PlainConfig {
             let message = format!("near_m must be less than far_m ({}), not {}", self.sight.far_m, self.sight.near_m);
             faults.push(Fault { path: format!("{path}.sight.near_m"), message });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn faults(text: &str) -> Vec<String> {
+        let config: PlainConfig = toml::from_str(text).unwrap();
+        let mut faults = Vec::new();
+        config.check("plain", &mut faults);
+        faults.into_iter().map(|fault| fault.path).collect()
+    }
+
+    #[test]
+    fn tables_are_checked_and_unknown_keys_refused() {
+        assert_eq!(faults(""), Vec::<String>::new());
+        assert_eq!(faults("[motion]\nturn_sd_rad = -1.0"), ["plain.motion.turn_sd_rad"]);
+        assert_eq!(faults("[sight]\nnear_m = 4.0\nfar_m = 3.0"), ["plain.sight.near_m"]);
+        assert!(toml::from_str::<PlainConfig>("[sight]\nfog_ratio = 0.1").is_err());
+    }
+
+    /// A camera may not come to stand in or behind a beacon that it sees.
+    #[test]
+    fn every_sight_in_range_has_a_height() {
+        let least = Sight::table().iter().find(|it| it.name == "near_m").map(|it| it.range.0).unwrap();
+        let most = Sight::table().iter().find(|it| it.name == "camera_ahead_m").map(|it| it.range.1).unwrap();
+        assert!(most < least, "a camera {most} m ahead passes beacons seen from {least} m");
     }
 }
