@@ -7,6 +7,10 @@ pub mod action_from_sensor;
 pub mod algorithm1;
 pub mod canonical;
 pub mod degree_selection;
+pub mod em;
+pub mod em_1d_published;
+pub mod em_published;
+pub mod em_rts;
 pub mod learner;
 pub mod likelihood;
 pub mod line;
@@ -98,4 +102,7 @@ learners! {
     algorithm1 => Algorithm1,
     canonical => Canonical,
     likelihood => Likelihood,
+    em_published => EmPublished,
+    em_rts => EmRts,
+    em_1d_published => Em1dPublished,
 }

@@ -1,0 +1,148 @@
+//! The forward sweep: an extended Kalman filter, or one that is linearised about a given trajectory.
+
+use asami_math::elementary::ln;
+use asami_math::kalman::Gaussian;
+use nalgebra::{SMatrix, SVector};
+
+use super::parameters::Parameters;
+use super::world::{Moved, World};
+use crate::plane::Plane;
+
+/// What the forward sweep leaves behind; its room is used again.
+#[derive(Clone, Debug)]
+pub struct Forward<const N: usize> {
+    /// `alpha_t`: the state given the observations up to frame `t`, that of `t` included.
+    pub alpha: Vec<Gaussian<N>>,
+    /// The motion from frame `t` to the next, linearised.
+    pub moved: Vec<Moved<N>>,
+    /// Covariance of the state before the observations of frame `t`.
+    pub predicted: Vec<Gaussian<N>>,
+    /// Log-likelihood (eq. 4.13), nats.
+    pub log_likelihood: f64,
+}
+
+/// How far a sighting is trusted: its noise is divided by this; 0 leaves it out.
+pub type Weight = f64;
+
+/// The outlier gate of section 4.4.1: a sighting is discarded whose bearing innovation is beyond
+/// `0.6 k` radians, `k` the frames since the last with a sighting.
+pub const GATE_RAD: f64 = 0.6;
+
+impl<const N: usize> Forward<N> {
+    /// Room for a log.
+    #[must_use]
+    pub fn new(frames: usize) -> Self {
+        let zero = Gaussian { mean: SVector::zeros(), covariance: SMatrix::zeros() };
+        let still = Moved { to: SVector::zeros(), f: SMatrix::identity(), q: SMatrix::zeros() };
+        Self {
+            alpha: vec![zero; frames],
+            moved: vec![still; frames],
+            predicted: vec![zero; frames],
+            log_likelihood: 0.0,
+        }
+    }
+
+    /// Runs over the first `frames` of the log. `about` is the trajectory to linearise about (none: the
+    /// filter's own means, as an EKF does); with `gate`, sightings beyond it get weight 0. `None` if the filter
+    /// breaks down.
+    pub fn run<const M: usize, W: World<N, M>>(
+        &mut self,
+        world: &W,
+        plane: &Plane,
+        lambda: &Parameters<N>,
+        about: Option<&[SVector<f64, N>]>,
+        weights: &mut [Weight],
+        gate: bool,
+    ) -> Option<()> {
+        let mut state = lambda.prior;
+        let mut first = 0;
+        self.log_likelihood = 0.0;
+        for t in 0..self.alpha.len() {
+            self.predicted[t] = state;
+            let seen = plane.seen(t);
+            let own = &mut weights[first..first + seen.len()];
+            first += seen.len();
+            for (seen, weight) in seen.iter().zip(own) {
+                let at = about.map_or(state.mean, |about| about[t]);
+                let (e, h) = world.innovation(&at, seen, &lambda.f);
+                if gate
+                    && M > 1
+                    && (e[M - 1] - (h * world.difference(&state.mean, &at))[M - 1]).abs()
+                        > GATE_RAD * f64::from(plane.frames[t].since_seen)
+                {
+                    *weight = 0.0;
+                }
+                if *weight > 0.0 {
+                    let e = e - h * world.difference(&state.mean, &at);
+                    self.log_likelihood += update(&mut state, &e, &h, &noise(lambda, *weight))?;
+                }
+            }
+            self.alpha[t] = state;
+            if t + 1 < self.alpha.len() {
+                let at = about.map_or(state.mean, |about| about[t]);
+                let moved = forth(world, plane, lambda, t, &at);
+                let off = world.difference(&state.mean, &at);
+                state.mean = moved.to + moved.f * off;
+                state.covariance = moved.f * state.covariance * moved.f.transpose() + moved.q;
+                self.moved[t] = moved;
+            }
+            if !state.mean.iter().all(|x| x.is_finite()) {
+                return None;
+            }
+        }
+        self.log_likelihood.is_finite().then_some(())
+    }
+}
+
+/// The motion from frame `t` to the next, from `at`.
+pub fn forth<const N: usize, const M: usize, W: World<N, M>>(
+    world: &W,
+    plane: &Plane,
+    lambda: &Parameters<N>,
+    t: usize,
+    at: &SVector<f64, N>,
+) -> Moved<N> {
+    let (mu, q) = step(plane, lambda, t);
+    world.forth(at, &mu, &q)
+}
+
+/// `mu = A(c) dt` and the noise's variances of the step from frame `t` to the next.
+pub fn step<const N: usize>(plane: &Plane, lambda: &Parameters<N>, t: usize) -> (SVector<f64, N>, SVector<f64, N>) {
+    let frame = &plane.frames[t];
+    let (v, q) = (&lambda.velocity[frame.action], &lambda.motion_var[frame.action]);
+    (v * frame.dt_s, q * (frame.dt_s / plane.step_s))
+}
+
+/// The noise of one sighting: of the size and, where it is observed, of the bearing.
+pub fn noise<const N: usize, const M: usize>(lambda: &Parameters<N>, weight: Weight) -> SVector<f64, M> {
+    SVector::from_fn(|i, _| if i == 0 { lambda.size_var } else { lambda.bearing_var } / weight)
+}
+
+/// The state given one sighting with innovation `e`, and the sighting's log-density: eqs 2.17 to 2.19 of
+/// Stronger 2008, for the parts one after the other, which is the same where their noise is independent. `None`
+/// where an innovation has no positive variance.
+#[inline]
+pub fn update<const N: usize, const M: usize>(
+    state: &mut Gaussian<N>,
+    e: &SVector<f64, M>,
+    h: &SMatrix<f64, M, N>,
+    r: &SVector<f64, M>,
+) -> Option<f64> {
+    let before = state.mean;
+    let (mut nis, mut determinant) = (0.0, 1.0);
+    for i in 0..M {
+        let h_i = h.row(i).transpose();
+        let p_h = state.covariance * h_i;
+        let s = h_i.dot(&p_h) + r[i];
+        if s <= 0.0 || !s.is_finite() {
+            return None;
+        }
+        let e_i = e[i] - h_i.dot(&(state.mean - before));
+        let gain = p_h / s;
+        state.mean += gain * e_i;
+        state.covariance -= gain * p_h.transpose();
+        nis += e_i * e_i / s;
+        determinant *= s;
+    }
+    Some(-0.5 * (nis + ln(determinant) + M as f64 * ln(std::f64::consts::TAU)))
+}
