@@ -1,6 +1,7 @@
 //! The verbs of asami (Autonomous Sensor and Action Model Induction) and what they share: scenarios,
 //! trials, tables, figures, reports.
 
+pub mod binning;
 pub mod draw;
 pub mod generate;
 pub mod import;
