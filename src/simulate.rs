@@ -3,6 +3,7 @@
 use asami_dataset::{Dataset, Provenance, Seed};
 use asami_sim::drives::pace::Pace;
 use asami_sim::robots::aibo::{AiboWorld, BuildError, Start};
+use asami_sim::scenes::field::Field;
 use asami_sim::world::{self, World};
 use rand::RngExt;
 
@@ -27,14 +28,16 @@ impl Simulation {
     }
 
     /// The world with the robot facing the field's first beacon (the origin, where there is none) from
-    /// `distance_m`; the seed draws where in its stride it is.
+    /// `distance_m`, and nothing else on the field; the seed draws where in its stride it is.
     ///
     /// # Errors
     /// If the robot cannot be built.
     pub fn before_beacon(&self, distance_m: f64, seed: Seed) -> Result<Box<dyn World>, BuildError> {
         let [x_m, y_m] = self.field.beacons.first().map_or([0.0; 2], |beacon| [beacon.body.x_m, beacon.body.y_m]);
         let gait_phase = seed.stream("start").random::<f64>();
-        self.world_from(Start { x_m, y_m: y_m - distance_m, theta_rad: 0.0, gait_phase }, seed)
+        let beacons = self.field.beacons.iter().take(1).cloned().collect();
+        let alone = Self { field: Field { beacons, clutter: Vec::new() }, ..self.clone() };
+        alone.world_from(Start { x_m, y_m: y_m - distance_m, theta_rad: 0.0, gait_phase }, seed)
     }
 
     fn world_from(&self, start: Start, seed: Seed) -> Result<Box<dyn World>, BuildError> {

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use asami_dataset::store::{WriteError, read_survey, write_survey};
-use asami_dataset::survey::Height;
-use asami_dataset::{Seed, Survey};
+use asami_dataset::{Seed, Sighting, Survey};
 use asami_sim::drives::hold::Hold;
 use asami_sim::robots::aibo::BuildError;
 use asami_sim::robots::aibo::blueprint::URDF;
@@ -119,11 +118,13 @@ pub fn make(simulation: &Simulation, jobs: Option<usize>, say: &(dyn Fn(&str) + 
     let timings = how.timings as usize;
     let walks: Vec<(f64, u64)> =
         commands.iter().flat_map(|&command| std::iter::repeat_n(command, timings)).zip(how.seed..).collect();
-    let stands: Vec<(f64, u64)> = how.distances_m().into_iter().zip(how.seed + walks.len() as u64..).collect();
+    let distances_m = how.distances_m();
+    let placements = distances_m.iter().flat_map(|&distance_m| (0..how.placements).map(move |n| (distance_m, n)));
+    let stands: Vec<((f64, u32), u64)> = placements.zip(how.seed + walks.len() as u64..).collect();
     let progress = Count { done: AtomicUsize::new(0), of: walks.len() + stands.len(), say };
 
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0)).build()?;
-    let (speeds, heights) = pool.install(|| {
+    let (speeds, looks) = pool.install(|| {
         let speeds = walks.par_iter().with_max_len(1).map(|&(command, seed)| -> Result<f64, CannotSurvey> {
             let mut world = simulation.before_beacon(how.start_m(command), Seed(seed))?;
             let speed = measure::timed_m_per_s(&mut *world, command, how)?;
@@ -131,21 +132,24 @@ pub fn make(simulation: &Simulation, jobs: Option<usize>, say: &(dyn Fn(&str) + 
             Ok(speed)
         });
         let speeds: Result<Vec<f64>, CannotSurvey> = speeds.collect();
-        let heights = stands.par_iter().with_max_len(1).map(|&(distance_m, seed)| -> Result<Height, CannotSurvey> {
+        let looks = stands.par_iter().with_max_len(1).map(|&((distance_m, placement), seed)| {
             let mut world = simulation.before_beacon(distance_m, Seed(seed))?;
-            let height = measure::height(&mut *world, distance_m, how)?;
+            let read = measure::look(&mut *world, distance_m, placement, how)?;
             progress.one_more();
-            Ok(height)
+            Ok(read)
         });
-        (speeds, heights.collect::<Result<Vec<_>, CannotSurvey>>())
+        let looks: Result<Vec<Vec<Sighting>>, CannotSurvey> = looks.collect();
+        (speeds, looks)
     });
-    let speeds = speeds?;
+    let (speeds, looks) = (speeds?, looks?);
+    let heights = distances_m.iter().zip(looks.chunks(how.placements.max(1) as usize));
     let speed_by_command = commands
         .iter()
         .zip(speeds.chunks(timings.max(1)))
         .map(|(&command, timings)| measure::speed(command, timings))
         .collect();
-    Ok(Survey { speed_by_command, height_by_distance: heights?, ..Survey::default() })
+    let height_by_distance = heights.map(|(&distance_m, looks)| measure::height(distance_m, &looks.concat())).collect();
+    Ok(Survey { speed_by_command, height_by_distance, ..Survey::default() })
 }
 
 /// Counts measurements, and says so now and then.

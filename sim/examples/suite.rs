@@ -4,12 +4,13 @@
 //! cargo run --example suite                    # the default gait
 //! cargo run --example suite -- robot.toml      # another robot: the tables [aibo] and [suite]
 //! cargo run --example suite -- robot.toml 300 7 # after 300 tries at bettering it, drawn from seed 7
+//! cargo run --example suite -- robot.toml 0 7 30 # over 30 s each
 //! ```
 
 use std::error::Error;
 
 use asami_dataset::parameters::Parameters;
-use asami_dataset::{Action, Rng, Seed};
+use asami_dataset::{Action, Rng, Seed, TruePose};
 use asami_math::angle::wrap_rad;
 use asami_sim::drives::suite::Suite;
 use asami_sim::effects::Effects;
@@ -17,6 +18,7 @@ use asami_sim::robots::aibo::config::{Gait, HeadingHold};
 use asami_sim::robots::aibo::{AiboConfig, AiboWorld, BuildError, Start};
 use asami_sim::scenes::field::Field;
 use asami_sim::sensors::camera::CameraConfig;
+use asami_sim::survey::mean_velocity;
 use asami_sim::world::{Record, World};
 use rand::RngExt;
 use serde::Deserialize;
@@ -24,6 +26,8 @@ use serde::Deserialize;
 /// Seeds below 1000 belong to the experiments.
 const SEED: u64 = 1000;
 const WARM_UP_S: f64 = 1.2;
+/// Velocities are means over arcs of so many strides.
+const STRIDES: f64 = 3.0;
 
 /// What a file may set.
 #[derive(Clone, Default, Deserialize)]
@@ -72,7 +76,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             walk.least_up
         );
     }
-    println!("ranges {:.0} mm/s, {:.0} mm/s, {:.2} rad/s", 1e3 * (high[0] - low[0]), 1e3 * (high[1] - low[1]), high[2] - low[2]);
+    println!(
+        "ranges {:.0} mm/s, {:.0} mm/s, {:.2} rad/s",
+        1e3 * (high[0] - low[0]),
+        1e3 * (high[1] - low[1]),
+        high[2] - low[2]
+    );
     println!("attempted turns are off by {:.3} rad/s RMS", (squares / 40.0).sqrt());
     Ok(())
 }
@@ -93,49 +102,24 @@ fn walk(config: &AiboConfig, action: Action, seed: u64, measure_s: f64) -> Resul
     let mut world =
         AiboWorld::new(config, &Field::default(), &camera, &Effects::default(), Start::default(), Seed(seed))?;
     let mut record = Record::default();
-    let mut poses = vec![];
+    let mut track: Vec<TruePose> = Vec::new();
     let mut least_up: f64 = 1.0;
-    let mut theta = 0.0;
-    let mut last = world.pose();
     while world.t_s() < WARM_UP_S + measure_s && !world.has_fallen() {
         world.tick(action, &mut record);
-        let pose = world.pose();
-        theta += wrap_rad(pose.theta_rad - last.theta_rad);
-        if pose.t_s > WARM_UP_S {
-            poses.push([pose.t_s, pose.x_m, pose.y_m, theta]);
+        if world.t_s() > WARM_UP_S {
+            track.push(world.pose());
         }
         least_up = least_up.min((world.body().world_from_torso() * nalgebra::Vector3::z()).z);
-        last = pose;
     }
-    let [first, end] = [poses.first(), poses.last()].map(|pose| pose.copied().unwrap_or_default());
-    let turn = (end[3] - first[3]) / (end[0] - first[0]).max(1e-9);
-    let off = poses.iter().map(|pose| (pose[3] - first[3] - turn * (pose[0] - first[0])).powi(2));
-    let turn_sd = (off.sum::<f64>() / poses.len() as f64).sqrt();
-    // Sliding windows of three strides.
-    let window = (3.0 * config.gait.period_s / config.physics.tick_s()).round() as usize;
-    let mut sum = [0.0; 2];
-    let mut n = 0.0;
-    for i in window..poses.len() {
-        let (from, to) = (poses[i - window], poses[i]);
-        let v = arc(from, to);
-        sum[0] += v[0];
-        sum[1] += v[1];
-        n += 1.0;
-    }
-    Ok(Walk { velocity: [sum[0] / n, sum[1] / n, turn], turn_sd, least_up })
-}
-
-/// The constant rightward and forward velocity that leads from one pose to another.
-fn arc(from: [f64; 4], to: [f64; 4]) -> [f64; 2] {
-    let dt = to[0] - from[0];
-    let (sin, cos) = from[3].sin_cos();
-    let (dx, dy) = (to[1] - from[1], to[2] - from[2]);
-    let d = [cos * dx + sin * dy, -sin * dx + cos * dy];
-    let half = 0.5 * (to[3] - from[3]);
-    // d = sinc(half) R(half) v dt
-    let sinc = if half.abs() < 1e-6 { 1.0 } else { half.sin() / half };
-    let (s, c) = half.sin_cos();
-    [(c * d[0] + s * d[1]) / (sinc * dt), (-s * d[0] + c * d[1]) / (sinc * dt)]
+    let velocity = mean_velocity(&track, STRIDES * config.gait.period_s);
+    let mut turned_rad = 0.0;
+    let off = track.windows(2).map(|pair| {
+        let lasted_s = pair[1].t_s - pair[0].t_s;
+        turned_rad += wrap_rad(pair[1].theta_rad - pair[0].theta_rad) - velocity[2] * lasted_s;
+        turned_rad * turned_rad
+    });
+    let turn_sd = (off.sum::<f64>() / track.len() as f64).sqrt();
+    Ok(Walk { velocity, turn_sd, least_up })
 }
 
 /// The ranges searched, and how the best so far is changed.
@@ -190,7 +174,9 @@ fn cost(robot: &Robot, least: f64) -> Result<f64, BuildError> {
         if walk.least_up < 0.5 {
             return Ok(f64::INFINITY);
         }
-        for ((got, wanted), scale) in walk.velocity.into_iter().zip([ax_m_per_s, ay_m_per_s, atheta_rad_per_s]).zip(scale) {
+        for ((got, wanted), scale) in
+            walk.velocity.into_iter().zip([ax_m_per_s, ay_m_per_s, atheta_rad_per_s]).zip(scale)
+        {
             cost += ((got - wanted) / scale).powi(2);
         }
         cost += (walk.turn_sd / 0.2).powi(2) + 4.0 * (0.96 - walk.least_up).max(0.0);

@@ -10,6 +10,10 @@ use asami_math::elementary::sin_cos;
 use crate::drives::hold::Hold;
 use crate::world::{Drive, Record, World};
 
+mod turning;
+
+pub use turning::{mean_velocity, velocity};
+
 asami_dataset::parameters! {
     /// What is measured, and how (sections 3.3.2 and 4.4.1).
     pub struct Surveying {
@@ -37,6 +41,14 @@ asami_dataset::parameters! {
         distance_step_m: f64 = 0.2, "m", 0.01..=5.0;
         /// Heights read at each distance.
         readings: u32 = 100, "1", 2.0..=10_000.0;
+        /// Times the robot is put back on its mark meanwhile: one that steps in place wanders off it.
+        placements: u32 = 1, "1", 1.0..=1000.0;
+        /// It stands, or steps, for this long before heights are read.
+        stand_s: f64 = 0.0, "s", 0.0..=30.0;
+        /// How long each discrete action is executed.
+        action_s: f64 = 30.0, "s", 1.0..=600.0;
+        /// Velocities of discrete actions are those of arcs that last this long.
+        arc_s: f64 = 1.0, "s", 0.05..=10.0;
         /// Seed of the survey's own walks: none of a learner's logs.
         seed: u64 = 900_000, "1", 0.0..=9e15;
     }
@@ -143,30 +155,43 @@ pub fn speed(command_m_per_s: f64, timings_m_per_s: &[f64]) -> Speed {
     Speed { command_m_per_s, speed_m_per_s, sd_m_per_s, timings: timings_m_per_s.len() as u32 }
 }
 
-/// Reads the height of the beacon off a robot that stands `distance_m` from it.
+/// Reads heights and bearings off a robot that was put on a mark `distance_m` from the beacon: as many as fall
+/// to each of [`Surveying::placements`], the greater share to the first ones.
 ///
 /// # Errors
 /// [`CannotSurvey::NotSeen`] if too few frames show it.
-pub fn height(world: &mut dyn World, distance_m: f64, how: &Surveying) -> Result<Height, CannotSurvey> {
-    let wanted = how.readings as usize;
-    // A beacon that is seen in less than every third frame cannot be surveyed.
+pub fn look(
+    world: &mut dyn World,
+    distance_m: f64,
+    placement: u32,
+    how: &Surveying,
+) -> Result<Vec<Sighting>, CannotSurvey> {
+    let wanted = how.readings.saturating_sub(placement).div_ceil(how.placements) as usize;
     let mut walk = Walk::new(Hold::forward(0.0));
-    walk.until(world, |_, record| record.seen.sightings.len() >= wanted || record.seen.frames.len() >= 3 * wanted);
-    let sightings: Vec<Sighting> = walk.record.seen.sightings.into_iter().take(wanted).collect();
-    let heights_px: Vec<f64> = sightings
-        .iter()
-        .filter_map(|sighting| match sighting.size {
-            Size::HeightPx(height_px) => Some(height_px),
-            Size::RangeM(_) => None,
-        })
-        .collect();
-    if heights_px.len() < wanted {
-        return Err(CannotSurvey::NotSeen { distance_m, found: heights_px.len(), wanted: how.readings });
+    let is_read = |sighting: &&Sighting| sighting.t_s >= how.stand_s && matches!(sighting.size, Size::HeightPx(_));
+    // A beacon that is seen in less than every twentieth frame cannot be surveyed.
+    walk.until(world, |_, record| {
+        let read = record.seen.sightings.iter().filter(is_read).count();
+        read >= wanted || record.seen.frames.iter().filter(|frame| frame.t_s >= how.stand_s).count() >= 20 * wanted
+    });
+    let sightings: Vec<Sighting> = walk.record.seen.sightings.iter().filter(is_read).take(wanted).copied().collect();
+    if sightings.len() < wanted {
+        return Err(CannotSurvey::NotSeen { distance_m, found: sightings.len(), wanted: wanted as u32 });
     }
+    Ok(sightings)
+}
+
+/// Means and spreads of what was read at one distance.
+#[must_use]
+pub fn height(distance_m: f64, sightings: &[Sighting]) -> Height {
+    let heights_px = sightings.iter().filter_map(|sighting| match sighting.size {
+        Size::HeightPx(height_px) => Some(height_px),
+        Size::RangeM(_) => None,
+    });
     let bearings_rad: Vec<f64> = sightings.iter().map(|sighting| sighting.bearing_rad).collect();
-    let [height_px, sd_px] = mean_and_sd(&heights_px);
+    let [height_px, sd_px] = mean_and_sd(&heights_px.collect::<Vec<f64>>());
     let [_, bearing_sd_rad] = mean_and_sd(&bearings_rad);
-    Ok(Height { distance_m, height_px, sd_px, bearing_sd_rad, readings: how.readings })
+    Height { distance_m, height_px, sd_px, bearing_sd_rad, readings: sightings.len() as u32 }
 }
 
 /// A walk under way, and what was seen of it.

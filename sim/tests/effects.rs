@@ -71,8 +71,14 @@ fn fitting(robot: &str) -> Vec<&'static About> {
     catalogue().into_iter().filter(|about| about.fits.contains(&robot)).collect()
 }
 
-/// The end of a parameter's range that is farther from its null value.
+/// The parameter that says when an effect begins; by itself it does nothing.
+const BEGIN: &str = "from_s";
+
+/// The end of a parameter's range that is farther from its null value; a beginning is within the walk.
 fn far(parameter: &asami_dataset::parameters::Parameter) -> f64 {
+    if parameter.name == BEGIN {
+        return WALK_S / 3.0;
+    }
     let (least, greatest) = parameter.range;
     if parameter.default - least > greatest - parameter.default { least } else { greatest }
 }
@@ -112,12 +118,31 @@ fn at_null_no_bit_changes_and_off_null_the_log_does() {
             let null = walk(robot, &set(about, |parameter| parameter.default), 1);
             assert!(null == nominal, "{} at null changes the log of {robot}", about.name);
             let mut effects = set(about, |parameter| parameter.default);
-            for parameter in about.parameters {
+            for parameter in about.parameters.iter().filter(|parameter| parameter.name != BEGIN) {
                 effects.set(about.name, parameter.name, far(parameter));
                 let log = walk(robot, &effects, 1);
                 assert!(log != nominal, "{}.{} changes nothing of {robot}", about.name, parameter.name);
                 effects.set(about.name, parameter.name, parameter.default);
             }
+        }
+    }
+}
+
+#[test]
+fn before_it_begins_an_effect_changes_no_bit() {
+    let begins = |about: &&About| about.parameters.iter().any(|parameter| parameter.name == BEGIN);
+    assert!(catalogue().into_iter().any(|about| begins(&about)), "the test would pass without effects that begin");
+    for robot in ROBOTS {
+        let nominal = walk(robot, &Effects::default(), 1);
+        for about in fitting(robot).iter().filter(|about| begins(about)) {
+            let late = walk(robot, &set(about, far), 1);
+            let parted_s = nominal.truth.track.iter().zip(late.truth.track.iter()).find(|(a, b)| a != b);
+            let parted_s = parted_s.map(|(pose, _)| pose.t_s - WALK_S / 3.0);
+            assert!(
+                parted_s.is_some_and(|after_s| (0.0..1.0).contains(&after_s)),
+                "{robot}: {} {parted_s:?}",
+                about.name
+            );
         }
     }
 }

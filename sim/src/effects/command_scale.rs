@@ -1,4 +1,4 @@
-//! Motors that turn a command into less, or more, than was asked for.
+//! Motors that turn a command into less, or more, than was asked for, from some time on.
 
 use crate::effect::{About, Effect, effect};
 use crate::knobs::Knobs;
@@ -16,6 +16,8 @@ effect! {
         y_ratio: f64 = 1.0, "1", 0.5..=1.5;
         /// Factor on the turning rate.
         theta_ratio: f64 = 1.0, "1", 0.5..=1.5;
+        /// When it begins.
+        from_s: f64 = 0.0, "s", 0.0..=1e6;
     }
 }
 
@@ -28,7 +30,15 @@ impl Effect for CommandScale {
         asami_dataset::parameters::Parameters::values(self)
     }
 
-    fn tune(&self, _t_s: f64, knobs: &mut Knobs) {
+    /// When it begins does not matter where nothing does.
+    fn is_null(&self) -> bool {
+        [self.x_ratio, self.y_ratio, self.theta_ratio] == [1.0; 3]
+    }
+
+    fn tune(&self, t_s: f64, knobs: &mut Knobs) {
+        if t_s < self.from_s {
+            return;
+        }
         for (scale, ratio) in knobs.command.scale.iter_mut().zip([self.x_ratio, self.y_ratio, self.theta_ratio]) {
             *scale *= ratio;
         }

@@ -36,6 +36,10 @@ asami_dataset::parameters! {
         pixel_noise_sd: f64 = 4.0, "1", 0.0..=30.0;
         /// From the camera to the wall of the room, all around.
         wall_distance_m: f64 = 7.0, "m", 1.0..=100.0;
+        /// Beacons that look smaller are not recognised.
+        least_height_px: f64 = 0.0, "px", 0.0..=1024.0;
+        /// Beacons that look larger are not recognised.
+        greatest_height_px: f64 = 1024.0, "px", 1.0..=1024.0;
     }
 }
 

@@ -69,6 +69,8 @@ const MIXED_ROWS: usize = 2;
 #[derive(Clone, Debug)]
 pub struct Vision {
     focal_px: f64,
+    /// Heights that are reported, as if in the image's centre.
+    heights_px: [f64; 2],
     neck: Neck,
     patterns: Vec<(Pattern, [usize; 2])>,
     segmenter: Segmenter,
@@ -95,7 +97,8 @@ impl Vision {
                 Some((pattern, [upper?, lower?]))
             })
             .collect();
-        Self { focal_px: camera.focal_px, neck, patterns, segmenter: Segmenter::new(hues) }
+        let heights_px = [camera.least_height_px, camera.greatest_height_px];
+        Self { focal_px: camera.focal_px, heights_px, neck, patterns, segmenter: Segmenter::new(hues) }
     }
 
     /// What one image shows, at most one glimpse of each beacon; `head_pan_rad` is counter-clockwise.
@@ -109,11 +112,11 @@ impl Vision {
             let stacks = pairs.filter(|(upper, lower)| is_stack(upper, lower));
             let Some((upper, lower)) = stacks.max_by_key(|(upper, lower)| upper.area + lower.area) else { continue };
             let measured = measure(image, [upper, lower], hues.map(|hue| &self.segmenter.hues[hue]));
-            glimpses.extend(
-                measured
-                    .filter(|extent| extent.fits(pattern))
-                    .map(|extent| self.glimpse(pattern, &extent, image, head_pan_rad)),
-            );
+            let glimpse = measured
+                .filter(|extent| extent.fits(pattern))
+                .map(|extent| self.glimpse(pattern, &extent, image, head_pan_rad));
+            let [least_px, greatest_px] = self.heights_px;
+            glimpses.extend(glimpse.filter(|glimpse| (least_px..=greatest_px).contains(&glimpse.height_px)));
         }
         glimpses
     }

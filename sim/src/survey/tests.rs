@@ -93,12 +93,62 @@ fn a_robot_that_turns_back_never_arrives() {
 
 #[test]
 fn heights_have_their_mean_and_spread() {
-    let height = height(&mut Cart::new(1.0), 1.4, &Surveying::default()).unwrap();
+    let read = look(&mut Cart::new(1.0), 1.4, 0, &Surveying::default()).unwrap();
+    let height = height(1.4, &read);
     assert_eq!((height.distance_m, height.height_px, height.readings), (1.4, 30.0, 100));
     assert!((height.sd_px - (100.0f64 / 99.0).sqrt()).abs() < 1e-12);
     let mut blind = Cart { sees: false, ..Cart::new(1.0) };
-    let error = super::height(&mut blind, 1.4, &Surveying::default());
+    let error = look(&mut blind, 1.4, 0, &Surveying::default());
     assert_eq!(error, Err(CannotSurvey::NotSeen { distance_m: 1.4, found: 0, wanted: 100 }));
+}
+
+#[test]
+fn placements_share_the_readings() {
+    let how = Surveying { readings: 100, placements: 7, stand_s: 0.5, ..Surveying::default() };
+    let reads = (0..7).map(|placement| look(&mut Cart::new(1.0), 1.4, placement, &how).unwrap());
+    let reads: Vec<_> = reads.collect();
+    assert_eq!(reads.iter().map(Vec::len).sum::<usize>(), 100);
+    assert!(reads.iter().flatten().all(|sighting| sighting.t_s >= 0.5));
+}
+
+/// Turns evenly about a point off its centre: a circle, however the stretches are cut.
+#[test]
+fn velocities_in_the_robot_frame_are_those_of_the_arc() {
+    struct Carousel {
+        t_s: f64,
+        velocity: [f64; 3],
+    }
+    impl World for Carousel {
+        fn known(&self) -> Known {
+            Known::default()
+        }
+        fn t_s(&self) -> f64 {
+            self.t_s
+        }
+        fn pose(&self) -> TruePose {
+            // A body at constant velocity (right, forward, turn) from the origin: the integral of R(turn t)
+            // (right, forward).
+            let [right, forward, turn] = self.velocity;
+            let angle = turn * self.t_s;
+            let (sine, versine) = (angle.sin() / turn, (1.0 - angle.cos()) / turn);
+            let (x_m, y_m) = (right * sine - forward * versine, right * versine + forward * sine);
+            TruePose { t_s: self.t_s, x_m, y_m, theta_rad: asami_math::angle::wrap_rad(angle), v_m_per_s: None }
+        }
+        fn tick(&mut self, _action: Action, record: &mut Record) {
+            record.track.push(self.pose());
+            self.t_s += 1.0 / 30.0;
+        }
+    }
+    let velocity = [-0.12, 0.3, 1.7];
+    for arc_s in [0.1, 1.0, 1.5] {
+        let how = Surveying { arc_s, ..Surveying::default() };
+        let got = super::velocity(&mut Carousel { t_s: 0.0, velocity }, 7, Hold::forward(0.0).0, &how);
+        assert_eq!(got.action, 7);
+        let got = [got.vx_m_per_s, got.vy_m_per_s, got.vtheta_rad_per_s];
+        for (got, wanted) in got.iter().zip(velocity) {
+            assert!((got - wanted).abs() < 1e-9, "{got} for {wanted}, stretches of {arc_s} s");
+        }
+    }
 }
 
 #[test]

@@ -61,6 +61,8 @@ asami_dataset::parameters! {
         command_lag_s: f64 = 0.12, "s", 0.0..=2.0;
         /// Attempted speed from which strides are lifted fully; below, the lift shrinks with it.
         full_lift_speed_m_per_s: f64 = 0.02, "m/s", 0.001..=0.3;
+        /// Least share of a full lift: 0 stands still when told to stand, 1 steps in place.
+        least_lift: f64 = 0.0, "1", 0.0..=1.0;
     }
 }
 

@@ -94,10 +94,10 @@ impl Trot {
         (-0.5 * cos * easing + (swung - 0.5) * (1.0 - easing), sin)
     }
 
-    /// From 0 standing to 1 walking: strides shrink to nothing with the command.
+    /// From 0 standing to 1 walking: strides shrink with the command, to nothing unless the gait steps in place.
     fn liveliness(&self) -> f64 {
         let [right, forward, turn] = self.attempt;
         let speed_m_per_s = hypot(right, forward) + (turn * self.legs[0].hip_m[0]).abs();
-        (speed_m_per_s / self.gait.full_lift_speed_m_per_s).min(1.0)
+        (speed_m_per_s / self.gait.full_lift_speed_m_per_s).clamp(self.gait.least_lift, 1.0)
     }
 }
