@@ -144,50 +144,39 @@ pub(super) static FRAMES: Table<Frame> = Table {
 };
 
 pub(super) static HEIGHTS: Table<Sighting> = Table {
-    columns: &[
-        TIME,
-        column("landmark", Rule::Id),
-        column("height_px", Rule::Positive),
-        column("bearing_rad", Rule::Angle),
-    ],
+    columns: &sighting("height_px"),
     open: false,
     repeats: true,
-    take: |f| Sighting {
-        t_s: f.number(0),
-        landmark: f.id(1),
-        size: Size::HeightPx(f.number(2)),
-        bearing_rad: f.number(3),
-    },
+    take: |f| seen(f, Size::HeightPx),
     give: |row| match row.size {
-        Size::HeightPx(height_px) => {
-            Some(vec![Some(row.t_s), Some(f64::from(row.landmark)), Some(height_px), Some(row.bearing_rad)])
-        }
+        Size::HeightPx(height_px) => Some(sighted(row, height_px)),
         Size::RangeM(_) => None,
     },
 };
 
 pub(super) static RANGES: Table<Sighting> = Table {
-    columns: &[
-        TIME,
-        column("landmark", Rule::Id),
-        column("range_m", Rule::Positive),
-        column("bearing_rad", Rule::Angle),
-    ],
+    columns: &sighting("range_m"),
     open: false,
     repeats: true,
-    take: |f| Sighting {
-        t_s: f.number(0),
-        landmark: f.id(1),
-        size: Size::RangeM(f.number(2)),
-        bearing_rad: f.number(3),
-    },
+    take: |f| seen(f, Size::RangeM),
     give: |row| match row.size {
-        Size::RangeM(range_m) => {
-            Some(vec![Some(row.t_s), Some(f64::from(row.landmark)), Some(range_m), Some(row.bearing_rad)])
-        }
+        Size::RangeM(range_m) => Some(sighted(row, range_m)),
         Size::HeightPx(_) => None,
     },
 };
+
+/// The columns of sightings, whose size is told by the column `size`.
+const fn sighting(size: &'static str) -> [Column; 4] {
+    [TIME, column("landmark", Rule::Id), column(size, Rule::Positive), column("bearing_rad", Rule::Angle)]
+}
+
+fn seen(f: &Fields, size: fn(f64) -> Size) -> Sighting {
+    Sighting { t_s: f.number(0), landmark: f.id(1), size: size(f.number(2)), bearing_rad: f.number(3) }
+}
+
+fn sighted(row: &Sighting, size: f64) -> Vec<Option<f64>> {
+    vec![Some(row.t_s), Some(f64::from(row.landmark)), Some(size), Some(row.bearing_rad)]
+}
 
 pub(super) static TRUTH: Table<TruePose> = Table {
     columns: &[
