@@ -17,6 +17,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Binning {
+    /// Commands act so much later than they are given; absent: at once.
+    pub delay_s: Option<f64>,
     /// Commands are averaged over steps of this length first; absent: they are taken as they are.
     pub step_s: Option<f64>,
     /// So many bands of forward speed, in force for equal times.
@@ -32,8 +34,9 @@ pub struct Binning {
 /// More bands than any log can tell apart.
 const MOST_CELLS: u16 = 64;
 
-/// Actions that motion capture saw for less have no true velocity, s.
-const LEAST_S: f64 = 1.0;
+/// Actions that motion capture saw for less have no true velocity, s: half of the "roughly four times for five seconds
+/// at a time" that each had in section 4.4.1.
+const LEAST_S: f64 = 10.0;
 
 impl Binning {
     /// Adds a fault for everything that is wrong; `path` is the table's place in the file.
@@ -41,6 +44,9 @@ impl Binning {
         let mut fault = |key: &str, message: String| faults.push(Fault { path: format!("{path}.{key}"), message });
         if let Some(step_s) = self.step_s.filter(|step_s| !(0.001..=10.0).contains(step_s)) {
             fault("step_s", format!("step_s must lie in 0.001..=10 s, not {step_s}"));
+        }
+        if let Some(delay_s) = self.delay_s.filter(|delay_s| !(0.0..=5.0).contains(delay_s)) {
+            fault("delay_s", format!("delay_s must lie in 0..=5 s, not {delay_s}"));
         }
         let bands = [
             ("v_cells", self.v_cells, "v_edges_m_per_s", &self.v_edges_m_per_s),
@@ -68,8 +74,11 @@ impl Binning {
     /// The log with an action in each command of wheels; other commands stay as they are.
     #[must_use]
     pub fn binned(&self, log: &Log) -> Log {
+        let delay_s = self.delay_s.unwrap_or_default();
+        let acting: Vec<Command> =
+            log.commands.iter().map(|command| Command { t_s: command.t_s + delay_s, ..*command }).collect();
         let end_s = log.span_s().map_or(0.0, |(_, end_s)| end_s);
-        let mut driven = driven(&log.commands, end_s);
+        let mut driven = driven(&acting, end_s);
         if let Some(step_s) = self.step_s {
             driven = averaged(&driven, step_s);
         }
@@ -181,7 +190,7 @@ fn band(edges: &[f64], value: f64) -> usize {
 }
 
 /// The mean velocity in the robot's frame while each action was in force, by the true track, in order of action;
-/// without actions that the track covers for less than a second.
+/// without actions that the track covers for less than 10 s.
 ///
 /// A displacement is turned into the robot's frame by the mean of its headings before and after: exact for arcs, but
 /// for the chord's being shorter by the 24th part of the turn squared.

@@ -119,17 +119,17 @@ fn on_an_arc_the_velocity_is_along_the_heading() {
         theta_rad: asami_math::angle::wrap_rad(omega * t_s),
         v_m_per_s: None,
     };
-    let turned = arc(10.0);
+    let turned = arc(30.0);
     let back = |t_s: f64| TruePose {
         t_s,
-        x_m: turned.x_m + 0.2 * (t_s - 10.0) * turned.theta_rad.sin(),
-        y_m: turned.y_m - 0.2 * (t_s - 10.0) * turned.theta_rad.cos(),
+        x_m: turned.x_m + 0.2 * (t_s - 30.0) * turned.theta_rad.sin(),
+        y_m: turned.y_m - 0.2 * (t_s - 30.0) * turned.theta_rad.cos(),
         ..turned
     };
-    let times = (0..2000).map(|n| 0.01 * f64::from(n));
-    let track: Vec<TruePose> = times.map(|t_s| if t_s < 10.0 { arc(t_s) } else { back(t_s) }).collect();
-    let commands = (0..190).map(|n| wheels(0.1 * f64::from(n), if n < 100 { 0.4 } else { -0.2 }, 0.0)).collect();
-    let log = by_quantiles(2, 1).binned(&log(commands, 19.0));
+    let times = (0..6000).map(|n| 0.01 * f64::from(n));
+    let track: Vec<TruePose> = times.map(|t_s| if t_s < 30.0 { arc(t_s) } else { back(t_s) }).collect();
+    let commands = (0..590).map(|n| wheels(0.1 * f64::from(n), if n < 300 { 0.4 } else { -0.2 }, 0.0)).collect();
+    let log = by_quantiles(2, 1).binned(&log(commands, 59.0));
     let found = velocities(&log, &track);
     assert_eq!(found.iter().map(|it| it.action).collect::<Vec<_>>(), [0, 1]);
     let expected = [[0.0, -0.2, 0.0], [0.0, v, omega]];
@@ -150,16 +150,30 @@ fn an_action_that_was_hardly_seen_has_no_truth() {
 }
 
 #[test]
+fn a_command_that_acts_later_is_dated_later() {
+    let log = log(vec![wheels(0.0, 0.1, 0.0), wheels(1.0, 0.2, 0.0)], 4.0);
+    let late = Binning { delay_s: Some(0.25), ..by_quantiles(2, 1) }.binned(&log);
+    assert_eq!(late.commands.iter().map(|command| command.t_s).collect::<Vec<_>>(), [0.25, 1.25]);
+    assert_eq!(ids(&late), ids(&by_quantiles(2, 1).binned(&log)));
+}
+
+#[test]
 fn what_makes_no_cells_is_refused() {
     let mut faults = Vec::new();
-    let wrong =
-        Binning { step_s: Some(0.0), v_cells: Some(0), v_edges_m_per_s: Some(vec![0.2, 0.1]), ..Binning::default() };
+    let wrong = Binning {
+        step_s: Some(0.0),
+        delay_s: Some(-0.1),
+        v_cells: Some(0),
+        v_edges_m_per_s: Some(vec![0.2, 0.1]),
+        ..Binning::default()
+    };
     wrong.check("binning", &mut faults);
     let messages: Vec<&str> = faults.iter().map(|fault| fault.message.as_str()).collect();
     assert_eq!(
         messages,
         [
             "step_s must lie in 0.001..=10 s, not 0",
+            "delay_s must lie in 0..=5 s, not -0.1",
             "a binning must have v_cells or v_edges_m_per_s; both are given",
             "v_cells must lie in 1..=64, not 0",
             "v_edges_m_per_s must be numbers that increase, not [0.2, 0.1]",
