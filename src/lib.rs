@@ -14,6 +14,7 @@ pub mod score;
 pub mod scorer;
 pub mod simulate;
 pub mod splice;
+pub mod study;
 pub mod survey;
 pub mod sweep;
 pub mod trial;

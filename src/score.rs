@@ -5,7 +5,7 @@ use std::fmt::Write;
 use asami_dataset::{ActionModel, Dataset, Log, Models, SensorModel};
 
 use crate::scenario::Divergence;
-use crate::scorer::{Scores, Yardstick};
+use crate::scorer::line::{Scores, Yardstick};
 
 /// A data set without truth about either model.
 #[derive(Debug, thiserror::Error)]

@@ -1,13 +1,16 @@
 //! From a scenario's simulation to worlds and logs.
 
-use asami_dataset::{Dataset, Provenance, Seed};
+use asami_dataset::{Dataset, Provenance, Seed, TruePose};
+use asami_sim::changing::Changing;
+use asami_sim::drives::explore::Explore;
 use asami_sim::drives::pace::Pace;
 use asami_sim::robots::aibo::{AiboWorld, BuildError, Start};
+use asami_sim::robots::plain::PlainWorld;
 use asami_sim::scenes::field::Field;
-use asami_sim::world::{self, World};
+use asami_sim::world::{self, Drive, World};
 use rand::RngExt;
 
-use crate::scenario::{Robot, Scenario, Simulation};
+use crate::scenario::{Policy, Robot, Scenario, Simulation};
 
 impl Simulation {
     /// The world of a case. The seed draws where the robot stands and where in its stride it is, and
@@ -41,9 +44,22 @@ impl Simulation {
     }
 
     fn world_from(&self, start: Start, seed: Seed) -> Result<Box<dyn World>, BuildError> {
-        match self.robot {
-            Robot::Aibo => Ok(Box::new(self.aibo_at(start, seed)?)),
-        }
+        let world: Box<dyn World> = match self.robot {
+            Robot::Aibo => Box::new(self.aibo_at(start, seed)?),
+            Robot::Plain => Box::new(self.plain_at(start, seed)),
+        };
+        Ok(match &self.change {
+            Some(change) => Box::new(Changing::new(world, change.clone())),
+            None => world,
+        })
+    }
+
+    /// The scenario's plain robot, put where the caller wants it.
+    #[must_use]
+    pub fn plain_at(&self, start: Start, seed: Seed) -> PlainWorld {
+        let Start { x_m, y_m, theta_rad, .. } = start;
+        let pose = TruePose { t_s: 0.0, x_m, y_m, theta_rad, v_m_per_s: None };
+        PlainWorld::new(&self.plain, &self.suite, &self.field, &self.effects, pose, seed)
     }
 
     /// The scenario's Aibo, put where the caller wants it.
@@ -59,8 +75,13 @@ impl Simulation {
     /// # Errors
     /// If the robot cannot be built.
     pub fn dataset(&self, seed: Seed) -> Result<Dataset, BuildError> {
-        let mut drive = Pace::new(self.drive.clone(), seed.stream("drive"));
-        Ok(world::run(&mut *self.world(seed)?, &mut drive, self.duration_s))
+        let rng = seed.stream("drive");
+        let mut drive: Box<dyn Drive> = match &self.drive {
+            Policy::Pace(pacing) => Box::new(Pace::new(pacing.clone(), rng)),
+            Policy::Stride(pacing) => Box::new(Pace::among(self.suite.strides(), pacing.clone(), rng)),
+            Policy::Explore(exploring) => Box::new(Explore::new(exploring.clone(), self.suite.actions(), rng)),
+        };
+        Ok(world::run(&mut *self.world(seed)?, &mut *drive, self.duration_s))
     }
 }
 

@@ -1,18 +1,18 @@
 //! The survey of a scenario's world: found where one of this very world was kept, or made.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use asami_dataset::store::{WriteError, read_survey, write_survey};
 use asami_dataset::{Seed, Sighting, Survey};
 use asami_sim::drives::hold::Hold;
-use asami_sim::robots::aibo::BuildError;
+use asami_sim::robots::aibo::{BuildError, Start};
 use asami_sim::robots::aibo::blueprint::URDF;
 use asami_sim::survey::{self as measure, CannotSurvey as CannotMeasure};
 use asami_sim::world;
 use rayon::prelude::*;
 
-use crate::scenario::Simulation;
+use crate::scenario::{Robot, Simulation};
 
 /// Why a world cannot be surveyed.
 #[derive(Debug, thiserror::Error)]
@@ -57,16 +57,38 @@ impl Surveyor<'_> {
     /// # Errors
     /// [`CannotSurvey`] if the robot cannot be built or measured, or the survey not written.
     pub fn survey(&self, simulation: &Simulation) -> Result<Survey, CannotSurvey> {
+        self.survey_as(simulation, SURVEY, KEY)
+    }
+
+    /// The same of the robot after its change, kept beside the other.
+    ///
+    /// # Errors
+    /// As [`survey`](Self::survey).
+    pub fn survey_after(&self, changed: &Simulation) -> Result<Survey, CannotSurvey> {
+        self.survey_as(changed, "survey_after.toml", "survey_after.key")
+    }
+
+    fn survey_as(&self, simulation: &Simulation, name: &str, key_name: &str) -> Result<Survey, CannotSurvey> {
+        if simulation.robot == Robot::Plain {
+            // Exact, and at no cost: nothing to keep.
+            return make(simulation, self.jobs, self.say);
+        }
         let key = key(simulation)?;
-        if let Some(survey) = kept(&key, self.look_in.iter().chain([&self.keep_in])) {
+        if let Some(survey) = kept_as(&key, self.look_in.iter().chain([&self.keep_in]), name, key_name) {
             return Ok(survey);
         }
         (self.say)("no survey of this very world is kept: measuring its speeds and heights");
         let survey = make(simulation, self.jobs, self.say)?;
+        let path = self.keep_in.join(key_name);
         std::fs::create_dir_all(&self.keep_in)
-            .and_then(|()| write_survey_key(&self.keep_in, &key))
-            .map_err(|source| CannotSurvey::Key { path: self.keep_in.join(KEY), source })?;
-        write_survey(&survey, &self.keep_in.join(SURVEY))?;
+            .and_then(|()| {
+                // The key goes first: a survey without its key is never believed, a key whose survey is missing
+                // neither.
+                let _ = std::fs::remove_file(self.keep_in.join(name));
+                std::fs::write(&path, format!("{key}\n"))
+            })
+            .map_err(|source| CannotSurvey::Key { path, source })?;
+        write_survey(&survey, &self.keep_in.join(name))?;
         Ok(survey)
     }
 }
@@ -76,17 +98,20 @@ const KEY: &str = "survey.key";
 
 /// A survey kept under `key` in one of `folders`.
 pub fn kept<'a>(key: &str, folders: impl IntoIterator<Item = &'a PathBuf>) -> Option<Survey> {
-    folders.into_iter().find_map(|folder| {
-        let found = std::fs::read_to_string(folder.join(KEY)).ok()?;
-        // A survey that cannot be read is as good as none: it is made anew.
-        (found.trim() == key).then(|| read_survey(&folder.join(SURVEY)).ok()).flatten()
-    })
+    kept_as(key, folders, SURVEY, KEY)
 }
 
-/// The key goes first: a survey without its key is never believed, a key whose survey is missing neither.
-fn write_survey_key(folder: &Path, key: &str) -> std::io::Result<()> {
-    let _ = std::fs::remove_file(folder.join(SURVEY));
-    std::fs::write(folder.join(KEY), format!("{key}\n"))
+fn kept_as<'a>(
+    key: &str,
+    folders: impl IntoIterator<Item = &'a PathBuf>,
+    name: &str,
+    key_name: &str,
+) -> Option<Survey> {
+    folders.into_iter().find_map(|folder| {
+        let found = std::fs::read_to_string(folder.join(key_name)).ok()?;
+        // A survey that cannot be read is as good as none: it is made anew.
+        (found.trim() == key).then(|| read_survey(&folder.join(name)).ok()).flatten()
+    })
 }
 
 /// Speed of the walk that stands for the world in a survey's key.
@@ -114,6 +139,9 @@ pub fn key(simulation: &Simulation) -> Result<String, BuildError> {
 /// [`CannotSurvey`] if the robot cannot be built or measured.
 pub fn make(simulation: &Simulation, jobs: Option<usize>, say: &(dyn Fn(&str) + Sync)) -> Result<Survey, CannotSurvey> {
     let how = &simulation.survey;
+    if simulation.robot == Robot::Plain {
+        return Ok(simulation.plain_at(Start::default(), Seed(how.seed)).survey(how));
+    }
     let commands = how.commands_m_per_s();
     let timings = how.timings as usize;
     let walks: Vec<(f64, u64)> =

@@ -6,10 +6,10 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use asami::scenario::{self, Scenario};
-use asami::sweep::cases::Found;
+use asami::sweep::cases::Count;
+use asami::sweep::line::{self, Outcome};
 use asami::sweep::source::Source;
-use asami::sweep::verb::{self, Outcome};
-use asami::sweep::{Options, Plan, Record, Silent, Watcher};
+use asami::sweep::{Options, Plan, Silent, Timing, Watcher};
 use asami::trial::{Case, Ending};
 use asami_dataset::survey::{Height, Speed};
 use asami_dataset::{Action, Command, Dataset, Known, Log, Rng, Seed, Sighting, Size, Survey, Truth};
@@ -56,7 +56,7 @@ struct Line {
 
 impl Source for Line {
     fn cases(&self) -> Vec<Case> {
-        (1..=self.seeds).map(|seed| Case { seed, window: None }).collect()
+        (1..=self.seeds).map(|seed| Case { seed, ..Case::default() }).collect()
     }
 
     fn dataset(&self, case: &Case) -> Result<Dataset, String> {
@@ -121,7 +121,7 @@ fn options(out: &Path, jobs: usize) -> Options {
 }
 
 fn run(plan: &Plan, out: &Path, jobs: usize) -> Outcome {
-    verb::carry_out(plan, &options(out, jobs), &Silent).expect("files can be written")
+    line::carry_out(plan, &options(out, jobs), &Silent).expect("files can be written")
 }
 
 /// Every file but those that hold times, by name.
@@ -164,11 +164,11 @@ fn one_thread_and_two_give_the_same_bytes() {
 struct Counts(AtomicUsize, AtomicUsize);
 
 impl Watcher for Counts {
-    fn begins(&self, found: &Found, _trials_per_case: usize) {
-        self.0.store(found.done(), Ordering::Relaxed);
+    fn begins(&self, found: &Count, _trials_per_case: usize) {
+        self.0.store(found.done, Ordering::Relaxed);
         self.1.store(usize::from(found.stale), Ordering::Relaxed);
     }
-    fn finished(&self, _record: &Record) {}
+    fn finished(&self, _case: &Case, _timing: &Timing) {}
 }
 
 #[test]
@@ -183,7 +183,7 @@ fn killed_and_gone_on_with_is_as_never_stopped() {
     }
     std::fs::write(folders[1].path().join("cases/3.json.part"), "{\"key\":").expect("written");
     let counts = Counts::default();
-    verb::carry_out(&plan(4), &options(folders[1].path(), 2), &counts).expect("goes on");
+    line::carry_out(&plan(4), &options(folders[1].path(), 2), &counts).expect("goes on");
     assert_eq!((counts.0.into_inner(), counts.1.into_inner()), (2, 0));
     assert_same(folders[0].path(), folders[1].path());
 }
@@ -193,18 +193,18 @@ fn another_program_or_scenario_starts_anew_and_says_so() {
     let folder = tempfile::tempdir().expect("made");
     run(&plan(2), folder.path(), 1);
     let again = Counts::default();
-    verb::carry_out(&plan(2), &options(folder.path(), 1), &again).expect("goes on");
+    line::carry_out(&plan(2), &options(folder.path(), 1), &again).expect("goes on");
     assert_eq!((again.0.into_inner(), again.1.into_inner()), (2, 0));
 
     let other = Options { program: "another".into(), ..options(folder.path(), 1) };
     let anew = Counts::default();
-    verb::carry_out(&plan(2), &other, &anew).expect("starts anew");
+    line::carry_out(&plan(2), &other, &anew).expect("starts anew");
     assert_eq!((anew.0.into_inner(), anew.1.into_inner()), (0, 1));
 
     let mut changed = plan(2);
     changed.scenario.divergence.r2_min = 0.5;
     let anew = Counts::default();
-    verb::carry_out(&changed, &other, &anew).expect("starts anew");
+    line::carry_out(&changed, &other, &anew).expect("starts anew");
     assert_eq!((anew.0.into_inner(), anew.1.into_inner()), (0, 1));
 }
 
@@ -213,7 +213,7 @@ fn more_seeds_go_on_with_the_fewer() {
     let folder = tempfile::tempdir().expect("made");
     run(&plan(2), folder.path(), 1);
     let counts = Counts::default();
-    verb::carry_out(&plan(4), &options(folder.path(), 1), &counts).expect("goes on");
+    line::carry_out(&plan(4), &options(folder.path(), 1), &counts).expect("goes on");
     assert_eq!((counts.0.into_inner(), counts.1.into_inner()), (2, 0));
 }
 
@@ -266,7 +266,7 @@ fn a_log_that_cannot_be_made_makes_its_trials_errors() {
     struct None;
     impl Source for None {
         fn cases(&self) -> Vec<Case> {
-            vec![Case { seed: 1, window: Option::None }]
+            vec![Case { seed: 1, ..Case::default() }]
         }
         fn dataset(&self, _: &Case) -> Result<Dataset, String> {
             Err("the robot fell".into())
@@ -316,7 +316,7 @@ fn the_table_has_the_agreed_columns_and_the_published_rows() {
     // What the file of a learner says is what was scored: read back, it scores the same.
     let models = asami_dataset::store::read_models(&folder.path().join("models/algorithm1-c-1.toml")).expect("ours").1;
     let survey = outcome.results.survey.expect("surveyed");
-    let scores = asami::scorer::Yardstick::surveyed(&survey).score(&models);
+    let scores = asami::scorer::line::Yardstick::surveyed(&survey).score(&models);
     assert_eq!(scores.sensor_rmse_m.map(|metres| metres * 1000.0), Some(of_first[0]));
 }
 

@@ -5,7 +5,8 @@ use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use asami::scenario;
-use asami::sweep::verb::{Asked, carry_out, plan};
+use asami::sweep::line::carry_out;
+use asami::sweep::verb::{Asked, plan};
 use asami::sweep::{Options, Silent};
 
 fn root() -> &'static Path {

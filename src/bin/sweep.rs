@@ -45,8 +45,8 @@ fn main() -> ExitCode {
         let plan = plan(scenario, &asked)?;
         let options = Options { out, jobs, program: manifest::program() };
         let outcome = carry_out(&plan, &options, &Progress::default()).map_err(verb::plain)?;
-        verb::print(&outcome.text());
+        verb::print(&outcome.text);
         eprintln!("written to {}", options.out.display());
-        Ok(if outcome.results.has_errors() { verb::Ending::TrialErred } else { verb::Ending::Done })
+        Ok(if outcome.has_errors { verb::Ending::TrialErred } else { verb::Ending::Done })
     })
 }

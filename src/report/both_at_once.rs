@@ -6,9 +6,13 @@ use asami_math::statistics;
 
 use crate::draw::Figure;
 use crate::draw::chapter3::{self, Learning};
-use crate::scorer::Scores;
-use crate::sweep::{Record, Results, rows};
-use crate::trial::{CurvePoint, Trial};
+use crate::scorer::line::Scores;
+use crate::sweep::line::{Chapter3, rows};
+use crate::sweep;
+use crate::trial;
+
+type Results = sweep::Results<Chapter3>;
+type Trial = trial::Trial<Scores>;
 
 /// The trial of the first log that Figures 3.7 and 3.8 show: Algorithm 1's, in the scenario's first row of it.
 #[must_use]
@@ -30,24 +34,22 @@ pub fn figures(results: &Results) -> Vec<Figure> {
         figures.extend(learned_action(trial, &models, survey));
         figures.extend(learned_sensor(trial, &models, survey));
     }
-    // Overlapping windows would count data twice.
-    let is_counted = |record: &&Record| !record.case.window.is_some_and(|window| window.overlapping);
-    let trials = || results.records.iter().filter(is_counted).filter_map(|record| record.trials.get(trial.row));
+    let trials = || results.counted().filter_map(|record| record.trials.get(trial.row));
     let floor = |error: fn(&Scores) -> Option<f64>| {
-        let records = results.records.iter().filter(is_counted);
-        statistics::mean(&records.filter_map(|record| error(&rows::floor(record))).collect::<Vec<_>>())
+        statistics::mean(&results.counted().filter_map(|record| error(&rows::floor(record))).collect::<Vec<_>>())
     };
-    let curves = |error: fn(&CurvePoint) -> Option<f64>| -> Vec<Vec<[f64; 2]>> {
+    let curves = |error: fn(&Scores) -> Option<f64>| -> Vec<Vec<[f64; 2]>> {
         let points = |trial: &Trial| {
-            trial.curve.iter().filter_map(|point| Some([point.t_s - trial.case.start_s(), error(point)?])).collect()
+            let start_s = trial.case.start_s();
+            trial.curve.iter().filter_map(|point| Some([point.t_s? - start_s, error(&point.scores)?])).collect()
         };
         trials().map(points).filter(|curve: &Vec<[f64; 2]>| !curve.is_empty()).collect()
     };
     let sensor =
-        chapter3::figure_3_9(Learning::Sensor, &curves(|point| point.sensor_rmse_m), floor(|it| it.sensor_rmse_m));
+        chapter3::figure_3_9(Learning::Sensor, &curves(|it| it.sensor_rmse_m), floor(|it| it.sensor_rmse_m));
     let action = chapter3::figure_3_9(
         Learning::Action,
-        &curves(|point| point.action_rmse_m_per_s),
+        &curves(|it| it.action_rmse_m_per_s),
         floor(|it| it.action_rmse_m_per_s),
     );
     figures.extend([sensor, action]);

@@ -10,12 +10,12 @@ use super::{CannotWrite, Cell, Plate, Report, RowKind, Section, Table};
 use crate::draw::Figure;
 use crate::draw::chapter3;
 use crate::scenario::{Origin, Start};
-use crate::sweep::CannotSweep;
 use crate::sweep::cases::write_whole;
+use crate::sweep::line::table::{self, Line, MeanSd};
+use crate::sweep::line::Outcome;
 use crate::sweep::manifest::{self, Manifest};
-use crate::sweep::summary::Spread;
-use crate::sweep::table::{self, Line, MeanSd, Whose};
-use crate::sweep::verb::Outcome;
+use crate::sweep::spread::Spread;
+use crate::sweep::{CannotSweep, Whose};
 use crate::trial::Ending;
 
 /// Writes `report.html` and `figures/*.svg` under `out`.
@@ -99,7 +99,7 @@ fn answer(outcome: &Outcome) -> String {
 fn in_words(start: Start) -> String {
     match start {
         Start::C | Start::Sgn | Start::One => format!("A0(c) = {}", in_a_cell(start)),
-        Start::ReferenceQuartic | Start::ReferenceCubic => format!("the {}", in_a_cell(start)),
+        _ => format!("the {}", in_a_cell(start)),
     }
 }
 
@@ -110,6 +110,7 @@ fn in_a_cell(start: Start) -> &'static str {
         Start::One => "1",
         Start::ReferenceQuartic => "best quartic",
         Start::ReferenceCubic => "best cubic",
+        of_chapter_4 => of_chapter_4.name(),
     }
 }
 
@@ -153,7 +154,7 @@ fn table_section(outcome: &Outcome) -> Section {
 }
 
 fn cells(line: &Line) -> [Cell; 8] {
-    let spread = |pick: fn(&crate::sweep::summary::Summary) -> Option<&Spread>| line.summary.as_ref().and_then(pick);
+    let spread = |pick: fn(&crate::sweep::line::summary::Summary) -> Option<&Spread>| line.summary.as_ref().and_then(pick);
     let converged = match (line.converged, line.trials) {
         (Some(converged), Some(trials)) => Cell {
             text: format!("{converged}/{trials}"),

@@ -5,24 +5,21 @@
 
 pub mod check;
 pub mod fault;
+pub mod origin;
+pub mod start;
 pub mod wire;
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::Path;
 
-use asami_dataset::{ActionModel, Models};
 use asami_learners::Learners;
-use asami_math::polynomial::Polynomial;
-use asami_sim::drives::pace::Pacing;
-use asami_sim::effects::Effects;
-use asami_sim::robots::aibo::AiboConfig;
-use asami_sim::scenes::field::Field;
-use asami_sim::sensors::camera::CameraConfig;
-use asami_sim::survey::Surveying;
 use serde::{Deserialize, Serialize};
 
+use crate::sweep::{plane, stride};
+
 pub use fault::Bad;
+pub use origin::{Origin, Part, Placement, Policy, Recording, Robot, Simulation, Window};
+pub use start::{Start, Starting};
 
 /// A checked scenario.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -31,113 +28,77 @@ pub struct Scenario {
     pub name: String,
     /// The question that it asks.
     pub about: String,
+    /// Which models are learned, and how they are scored.
+    pub study: Study,
     /// Where its logs come from.
     pub origin: Origin,
     /// What is learned from each log.
     pub rows: Vec<Row>,
     /// Parameters of the learners, by learner.
     pub learners: Learners,
+    /// The numbers of starting models.
+    pub starting: Starting,
     /// When a trial counts as diverged.
     pub divergence: Divergence,
     /// The expected answers.
     pub expect: Vec<Expect>,
 }
 
-/// Where a scenario's logs come from.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub enum Origin {
-    /// Out of a simulated world, one log a seed.
-    Simulated(Box<Simulation>),
-    /// Out of a recorded log, one log a window.
-    Recorded(Recording),
-}
-
-/// The world of a scenario and how it is driven.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Simulation {
-    /// Which robot.
-    pub robot: Robot,
-    /// How long each log is.
-    pub duration_s: f64,
-    /// How many logs.
-    pub seeds: u32,
-    /// The seed of the first; the others follow.
-    pub first_seed: u64,
-    /// The Aibo's own tables.
-    pub aibo: AiboConfig,
-    /// The camera in its head.
-    pub camera: CameraConfig,
-    /// What stands on the field.
-    pub field: Field,
-    /// Where the robot stands at first.
-    pub start: Placement,
-    /// The policy.
-    pub drive: Pacing,
-    /// What the nominal world leaves out.
-    pub effects: Effects,
-    /// How the truth about the models is measured.
-    pub survey: Surveying,
-}
-
-/// The robots of simulated scenarios.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// Which models are learned, how they are scored, and which tables come of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Robot {
-    /// Sony's ERS-7, walking in Rapier.
-    Aibo,
+pub enum Study {
+    /// Chapter 3: along a line, distance as a polynomial of the observation, speed as one of the command.
+    #[default]
+    Line,
+    /// Sections 4.4.1 and 4.4.2: in the plane, a velocity for each discrete action, the observation as a
+    /// polynomial of the distance, and the sensor's noise.
+    Plane,
+    /// Section 4.4.3: the models of chapter 4 along chapter 3's line, before and after the robot changes.
+    Stride,
 }
 
-impl Robot {
-    /// Its name in scenarios and data sets.
+impl Study {
+    /// Its name in scenarios.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Robot::Aibo => "aibo",
+            Study::Line => "line",
+            Study::Plane => "plane",
+            Study::Stride => "stride",
+        }
+    }
+
+    /// Quantities of `trials.csv` that medians can be expected of, by their columns.
+    #[must_use]
+    pub fn quantities(self) -> &'static [&'static str] {
+        match self {
+            Study::Line => &[],
+            Study::Plane => &plane::quantities::NAMES,
+            Study::Stride => &stride::quantities::NAMES,
         }
     }
 }
 
-asami_dataset::parameters! {
-    /// Where the robot stands when a log begins, facing world +y at heading 0.
-    pub struct Placement {
-        /// World x.
-        x_m: f64 = 0.0, "m", -100.0..=100.0;
-        /// World y.
-        y_m: f64 = -2.4, "m", -100.0..=100.0;
-        /// Heading, counter-clockwise.
-        theta_rad: f64 = 0.0, "rad", -3.2..=3.2;
-        /// Each seed starts up to this much further on or back.
-        y_spread_m: f64 = 0.3, "m", 0.0..=10.0;
-    }
+/// A part of a log in which the robot does not change.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Era {
+    /// From the beginning.
+    #[default]
+    Before,
+    /// From when the robot changed.
+    After,
 }
 
-/// A recorded log and how it is cut.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Recording {
-    /// Path of the data, relative to the repository's root.
-    pub source: String,
-    /// The importer that reads it; `None` for a data set of ours.
-    pub format: Option<String>,
-    /// The pieces that learners are given.
-    pub windows: Vec<Window>,
-}
-
-/// A piece of a recorded log.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Window {
-    /// Where it begins, in seconds since the recording began.
-    pub start_s: f64,
-    /// How long it is.
-    pub length_s: f64,
-    /// Whether it shares data with its neighbours, so that statistics over it count data twice.
-    pub overlapping: bool,
-}
-
-impl Window {
-    /// From its start to its end.
+impl Era {
+    /// Its name in tables.
     #[must_use]
-    pub fn span_s(&self) -> Range<f64> {
-        self.start_s..self.start_s + self.length_s
+    pub fn name(self) -> &'static str {
+        match self {
+            Era::Before => "before",
+            Era::After => "after",
+        }
     }
 }
 
@@ -150,64 +111,19 @@ pub struct Row {
     pub label: String,
     /// What the learner is given.
     pub start: Option<Start>,
-    /// How much of each log it is given, from the beginning.
+    /// Which part of each log it is given.
+    pub era: Era,
+    /// How much of that part, from its beginning.
     pub duration_s: f64,
     /// Parameters that differ from the scenario's `[learners]`.
     pub with: BTreeMap<String, f64>,
 }
 
-/// A model that a learner is given: to start from, or as known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Start {
-    /// `A0(c) = c`: attempted velocities are correct (Stronger 2008, section 3.3.2).
-    C,
-    /// `A0(c) = Sgn(c)`: only the direction (section 3.3.3).
-    Sgn,
-    /// `A0(c) = 1`: nothing (section 3.3.3).
-    One,
-    /// The quartic that fits the surveyed speeds best, as given in section 3.3.3's degree selection.
-    ReferenceQuartic,
-    /// The cubic that fits the surveyed heights best, for learning an action model alone.
-    ReferenceCubic,
-}
-
-impl Start {
-    /// Its name in tables.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Start::C => "c",
-            Start::Sgn => "sgn",
-            Start::One => "one",
-            Start::ReferenceQuartic => "reference_quartic",
-            Start::ReferenceCubic => "reference_cubic",
-        }
-    }
-
-    /// Whether it is an action model (else a sensor model).
-    #[must_use]
-    pub fn is_action_model(self) -> bool {
-        self != Start::ReferenceCubic
-    }
-
-    /// The models, where they need no truth.
-    #[must_use]
-    pub fn models(self) -> Option<Models> {
-        let action = match self {
-            Start::C => ActionModel::Polynomial(Polynomial::plain(vec![0.0, 1.0]).into()),
-            Start::Sgn => ActionModel::Sign,
-            Start::One => ActionModel::Polynomial(Polynomial::plain(vec![1.0]).into()),
-            Start::ReferenceQuartic | Start::ReferenceCubic => return None,
-        };
-        Some(Models { action: Some(action), ..Models::default() })
-    }
-}
-
 asami_dataset::parameters! {
     /// When a trial counts as diverged: the same rule for every learner.
     pub struct Divergence {
-        /// Either model's R^2 against the survey, after the published scaling, lies below this.
+        /// R^2 of any learned model against the truth lies below this: of sensor or action model after the
+        /// published scaling; in the plane of v_x, v_y, v_theta or f as they are.
         r2_min: f64 = 0.75, "1", 0.0..=1.0;
     }
 }
@@ -220,6 +136,9 @@ pub struct Expect {
     pub learner: String,
     /// The row's starting model.
     pub start: Option<Start>,
+    /// The row's part of the log.
+    #[serde(default)]
+    pub era: Era,
     /// The row's duration; may be left out where only one row has this label and start.
     pub duration_s: Option<f64>,
     /// At least this share of the trials converges.
@@ -236,6 +155,12 @@ pub struct Expect {
     /// Smaller errors, sensor and action, than this label's row of the same duration, by a paired
     /// test at the 5 % level.
     pub beats: Option<String>,
+    /// Of quantities of `trials.csv` by their columns: medians over the converged trials at most these.
+    #[serde(default)]
+    pub median_max: BTreeMap<String, f64>,
+    /// Medians at least these.
+    #[serde(default)]
+    pub median_min: BTreeMap<String, f64>,
 }
 
 /// Reads and checks a scenario file.

@@ -4,16 +4,22 @@ use std::collections::BTreeMap;
 
 use asami_dataset::parameters::Fault;
 use asami_learners::Learners;
+use asami_sim::changing::Change;
+use asami_sim::drives::explore::Exploring;
 use asami_sim::drives::pace::Pacing;
+use asami_sim::drives::suite::Suite;
 use asami_sim::effects::Effects;
 use asami_sim::robots::aibo::AiboConfig;
+use asami_sim::robots::plain::PlainConfig;
 use asami_sim::scenes::field::Field;
 use asami_sim::sensors::camera::CameraConfig;
 use asami_sim::survey::Surveying;
 use serde::Deserialize;
 use toml::de::DeTable;
 
-use super::{Divergence, Expect, Placement, Robot, Start};
+use crate::binning::Binning;
+
+use super::{Divergence, Era, Expect, Placement, Robot, Start, Starting, Study};
 
 /// The version of the scenario format that this program reads.
 pub const SCHEMA: i64 = 1;
@@ -27,10 +33,19 @@ pub struct Wire {
     pub _schema: i64,
     /// The question.
     pub about: String,
+    /// What is studied.
+    #[serde(default)]
+    pub study: Study,
     /// Path of a recorded log.
     pub source: Option<String>,
     /// Its format, of a log that is no data set of ours: the name of an importer.
     pub format: Option<String>,
+    /// How commands that take any value become discrete actions.
+    pub binning: Option<Binning>,
+    /// The robots whose logs are taken, of a recording of several.
+    pub robots: Option<Vec<u16>>,
+    /// Sets of landmarks; with each in turn, the log is learned from as if there were no others.
+    pub landmarks: Option<Vec<Vec<u16>>>,
     /// How the recorded log is cut.
     pub windows: Option<Windows>,
     /// Which robot is simulated.
@@ -43,16 +58,24 @@ pub struct Wire {
     pub first_seed: Option<i64>,
     /// The Aibo.
     pub aibo: Option<AiboConfig>,
+    /// The plain robot.
+    pub plain: Option<PlainConfig>,
+    /// The discrete actions.
+    pub suite: Option<Suite>,
     /// The camera.
     pub camera: Option<CameraConfig>,
     /// The field.
     pub field: Option<Field>,
     /// Where the robot stands at first.
     pub start: Option<Placement>,
-    /// The policy.
+    /// The policy along a line.
     pub drive: Option<Pacing>,
+    /// The policy in the plane.
+    pub explore: Option<Exploring>,
     /// Effects.
     pub effects: Option<Effects>,
+    /// How the robot changes.
+    pub change: Option<Change>,
     /// How the truth is measured.
     pub survey: Option<Surveying>,
     /// Learners' parameters.
@@ -60,6 +83,8 @@ pub struct Wire {
     pub learners: Learners,
     /// Rows of the table.
     pub rows: Vec<Row>,
+    /// Starting models in numbers.
+    pub starting: Option<Starting>,
     /// When a trial counts as diverged.
     #[serde(default)]
     pub divergence: Divergence,
@@ -91,7 +116,9 @@ pub struct Row {
     pub label: Option<String>,
     /// What it is given.
     pub start: Option<Start>,
-    /// How much of the log.
+    /// Which part of the log.
+    pub era: Option<Era>,
+    /// How much of it.
     pub duration_s: Option<f64>,
     /// Parameters of its own.
     #[serde(default)]

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::{CannotSweep, Record};
+use crate::study::Study;
 use crate::trial::{Case, Ending};
 
 /// The folder of finished cases.
@@ -15,26 +16,30 @@ pub struct Store {
 
 /// What a folder held before the sweep began.
 #[derive(Debug)]
-pub struct Found {
+pub struct Found<S: Study> {
     /// For each case, what was done of it.
-    pub records: Vec<Option<Record>>,
+    pub records: Vec<Option<Record<S>>>,
+    /// In numbers.
+    pub count: Count,
+}
+
+/// How much of a sweep was done before it began.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Count {
+    /// Cases done.
+    pub done: usize,
+    /// Of how many.
+    pub of: usize,
     /// Whether there were cases of another scenario or program, which are not gone on with.
     pub stale: bool,
 }
 
-impl Found {
-    /// How many cases are done.
-    #[must_use]
-    pub fn done(&self) -> usize {
-        self.records.iter().flatten().count()
-    }
-}
-
 /// The file of a case.
 #[derive(Serialize, Deserialize)]
-struct Kept {
+#[serde(bound = "")]
+struct Kept<S: Study> {
     key: String,
-    record: Record,
+    record: Record<S>,
 }
 
 /// Only the key: what a file of another program may still have in common with ours.
@@ -58,7 +63,7 @@ impl Store {
     ///
     /// # Errors
     /// If the folder cannot be read, or leftovers not be removed.
-    pub fn find(&self, cases: &[Case]) -> Result<Found, CannotSweep> {
+    pub fn find<S: Study>(&self, cases: &[Case]) -> Result<Found<S>, CannotSweep> {
         let mut stale = false;
         let entries = std::fs::read_dir(&self.folder).map_err(CannotSweep::file("read", &self.folder))?;
         for entry in entries {
@@ -77,7 +82,9 @@ impl Store {
             stale |= is_case;
             std::fs::remove_file(&path).map_err(CannotSweep::file("remove", &path))?;
         }
-        Ok(Found { records: cases.iter().map(|case| self.read(case)).collect(), stale })
+        let records: Vec<_> = cases.iter().map(|case| self.read(case)).collect();
+        let count = Count { done: records.iter().flatten().count(), of: records.len(), stale };
+        Ok(Found { records, count })
     }
 
     /// Keeps a finished case: written aside, then renamed, so that a file is whole or not there. A
@@ -85,7 +92,7 @@ impl Store {
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn keep(&self, record: &Record) -> Result<(), CannotSweep> {
+    pub fn keep<S: Study>(&self, record: &Record<S>) -> Result<(), CannotSweep> {
         if record.trials.iter().any(|trial| trial.ending == Ending::Error) {
             return Ok(());
         }
@@ -99,9 +106,9 @@ impl Store {
         self.folder.join(format!("{}.json", case.name()))
     }
 
-    fn read(&self, case: &Case) -> Option<Record> {
+    fn read<S: Study>(&self, case: &Case) -> Option<Record<S>> {
         let bytes = std::fs::read(self.path(case)).ok()?;
-        let kept: Kept = serde_json::from_slice(&bytes).ok()?;
+        let kept: Kept<S> = serde_json::from_slice(&bytes).ok()?;
         (kept.key == self.key && kept.record.case == *case).then_some(kept.record)
     }
 }

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::Results;
 use crate::scenario::Scenario;
+use crate::study::Study;
 
 /// What made the results.
 #[derive(Clone, Debug, Serialize)]
@@ -50,7 +51,7 @@ pub fn repository() -> &'static Path {
 
 /// The manifest of complete results.
 #[must_use]
-pub fn manifest(results: &Results, program: &str) -> Manifest {
+pub fn manifest<S: Study>(results: &Results<S>, program: &str) -> Manifest {
     let mut seeds: Vec<u64> = results.records.iter().map(|record| record.case.seed).collect();
     seeds.dedup();
     let Scenario { name, .. } = &results.scenario;

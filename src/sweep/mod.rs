@@ -5,27 +5,28 @@
 //! where it was. What is written is the same whatever the order, the threads or the interruptions.
 
 pub mod cases;
-pub mod expect;
+pub mod line;
 pub mod manifest;
+pub mod plane;
 pub mod progress;
-pub mod published;
 pub mod rows;
 pub mod source;
-pub mod summary;
-pub mod table;
+pub mod spread;
+pub mod stride;
 pub mod verb;
+pub mod verdict;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use asami_dataset::{Dataset, Models, Survey};
+use asami_dataset::{Dataset, Survey};
 use asami_learners::Learner;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::{Scenario, Start};
-use crate::scorer::{Scores, Yardstick};
+use crate::scenario::Scenario;
+use crate::study::{Reference, Study};
 use crate::trial::{self, Case, Ending, Setting, Trial};
 
 /// A checked scenario with everything that its names stand for.
@@ -52,41 +53,33 @@ pub struct Options {
 /// Hears how a sweep goes on.
 pub trait Watcher: Sync {
     /// Before the first case: how many cases and trials there are, and how many are done already.
-    fn begins(&self, state: &cases::Found, trials_per_case: usize);
+    fn begins(&self, found: &cases::Count, trials_per_case: usize);
     /// A case is done.
-    fn finished(&self, record: &Record);
+    fn finished(&self, case: &Case, timing: &Timing);
 }
 
 /// Hears nothing.
 pub struct Silent;
 
 impl Watcher for Silent {
-    fn begins(&self, _state: &cases::Found, _trials_per_case: usize) {}
-    fn finished(&self, _record: &Record) {}
+    fn begins(&self, _found: &cases::Count, _trials_per_case: usize) {}
+    fn finished(&self, _case: &Case, _timing: &Timing) {}
 }
 
 /// What is kept of a finished case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Record {
+#[serde(bound = "")]
+pub struct Record<S: Study> {
     /// Which.
     pub case: Case,
     /// One for each row of the scenario, in order.
-    pub trials: Vec<Trial>,
-    /// Errors of the best models there are of the published degrees.
-    pub references: Vec<Reference>,
+    pub trials: Vec<Trial<S::Scores>>,
+    /// Rows that need the truth: the best models there are, starting models as they are.
+    pub references: Vec<Reference<S::Scores>>,
+    /// What tables need of the truth itself.
+    pub truth: S::Truth,
     /// How long it took; goes to `timings.csv` only.
     pub timing: Timing,
-}
-
-/// A row that needs the truth and is no learner's.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Reference {
-    /// `floor` or `unlearned`.
-    pub name: String,
-    /// The starting model as it is, of `unlearned`.
-    pub start: Option<Start>,
-    /// Its errors.
-    pub scores: Scores,
 }
 
 /// Wall-clock seconds.
@@ -99,20 +92,27 @@ pub struct Timing {
 }
 
 /// A sweep's results, complete and in order.
-pub struct Results {
+pub struct Results<S: Study> {
     /// What was asked.
     pub scenario: Scenario,
     /// One for each case, in the scenario's order.
-    pub records: Vec<Record>,
+    pub records: Vec<Record<S>>,
     /// Truth about the models, where the cases share one.
     pub survey: Option<Survey>,
+    /// The same after the robot changed.
+    pub changed: Option<Survey>,
 }
 
-impl Results {
+impl<S: Study> Results<S> {
     /// Every trial, by row and then by case.
-    pub fn trials(&self) -> impl Iterator<Item = (&Record, &Trial)> {
+    pub fn trials(&self) -> impl Iterator<Item = (&Record<S>, &Trial<S::Scores>)> {
         (0..self.scenario.rows.len())
             .flat_map(move |row| self.records.iter().filter_map(move |record| Some((record, record.trials.get(row)?))))
+    }
+
+    /// The cases that statistics are taken over: not the overlapping windows, which would count data twice.
+    pub fn counted(&self) -> impl Iterator<Item = &Record<S>> {
+        self.records.iter().filter(|record| !record.case.window.is_some_and(|window| window.overlapping))
     }
 
     /// Whether some trial gave no result.
@@ -120,6 +120,38 @@ impl Results {
     pub fn has_errors(&self) -> bool {
         self.trials().any(|(_, trial)| trial.ending == Ending::Error)
     }
+}
+
+/// Whose numbers a line holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Whose {
+    /// Measured in this sweep.
+    Asami,
+    /// Needs truth: no learner could have it.
+    Reference,
+    /// Printed.
+    Dissertation,
+}
+
+impl Whose {
+    /// As in the tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Whose::Asami => "asami",
+            Whose::Reference => "reference",
+            Whose::Dissertation => "dissertation",
+        }
+    }
+}
+
+/// What is said when a sweep is over.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Finished {
+    /// For a terminal.
+    pub text: String,
+    /// Whether some trial gave no result.
+    pub has_errors: bool,
 }
 
 /// What keeps a sweep from going on at all.
@@ -152,11 +184,11 @@ impl CannotSweep {
 ///
 /// # Errors
 /// [`CannotSweep`] if files cannot be written; nothing that happens inside a trial is an error here.
-pub fn run(plan: &Plan, options: &Options, watcher: &dyn Watcher) -> Result<Results, CannotSweep> {
+pub fn run<S: Study>(plan: &Plan, options: &Options, watcher: &dyn Watcher) -> Result<Results<S>, CannotSweep> {
     let cases = plan.source.cases();
     let store = cases::Store::open(&options.out, &key(plan, options))?;
-    let found = store.find(&cases)?;
-    watcher.begins(&found, plan.learners.len());
+    let found = store.find::<S>(&cases)?;
+    watcher.begins(&found.count, plan.learners.len());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build()?;
     let records = pool.install(|| {
         let work: Vec<_> = cases.iter().zip(found.records).enumerate().collect();
@@ -167,14 +199,15 @@ pub fn run(plan: &Plan, options: &Options, watcher: &dyn Watcher) -> Result<Resu
                 if let Some(record) = done {
                     return Ok(record);
                 }
-                let record = run_case(plan, *case, i == 0);
+                let record = run_case::<S>(plan, *case, i == 0);
                 store.keep(&record)?;
-                watcher.finished(&record);
+                watcher.finished(&record.case, &record.timing);
                 Ok(record)
             })
             .collect::<Result<Vec<_>, CannotSweep>>()
     })?;
-    Ok(Results { scenario: plan.scenario.clone(), records, survey: plan.source.survey() })
+    let (survey, changed) = (plan.source.survey(), plan.source.changed());
+    Ok(Results { scenario: plan.scenario.clone(), records, survey, changed })
 }
 
 /// What a case's results depend on, beside the case itself.
@@ -183,41 +216,39 @@ fn key(plan: &Plan, options: &Options) -> String {
     blake3::hash(parts.join("\n").as_bytes()).to_hex().to_string()
 }
 
-fn run_case(plan: &Plan, case: Case, keep_traces: bool) -> Record {
+fn run_case<S: Study>(plan: &Plan, case: Case, keep_traces: bool) -> Record<S> {
     let began = Instant::now();
     let made = catch_unwind(AssertUnwindSafe(|| plan.source.dataset(&case)))
         .unwrap_or_else(|panic| Err(trial::panic_message(&*panic)));
     let log_s = began.elapsed().as_secs_f64();
     match made {
-        Ok(dataset) => learn_all(plan, case, &dataset, keep_traces, log_s),
+        Ok(dataset) => learn_all::<S>(plan, case, &dataset, keep_traces, log_s),
         Err(reason) => Record {
             case,
             trials: (0..plan.learners.len()).map(|row| trial::failed(row, case, reason.clone())).collect(),
             references: Vec::new(),
+            truth: S::Truth::default(),
             timing: Timing { log_s, trials_s: vec![0.0; plan.learners.len()] },
         },
     }
 }
 
-fn learn_all(plan: &Plan, case: Case, dataset: &Dataset, keep_traces: bool, log_s: f64) -> Record {
-    let yardstick = Yardstick::of(&dataset.log, &dataset.truth);
-    let settings = plan.scenario.rows.iter().zip(&plan.learners).enumerate();
+fn learn_all<S: Study>(
+    plan: &Plan,
+    case: Case,
+    dataset: &Dataset,
+    keep_traces: bool,
+    log_s: f64,
+) -> Record<S> {
+    let scenario = &plan.scenario;
+    let yardstick = S::yardstick(scenario, dataset, plan.source.changed().as_ref());
+    let settings = scenario.rows.iter().zip(&plan.learners).enumerate();
     let (trials, trials_s) = settings
         .map(|(index, (row, learner))| {
-            let divergence = &plan.scenario.divergence;
-            let setting = Setting { index, row, learner: &**learner, divergence, keep_traces };
-            trial::run(setting, case, dataset, &yardstick)
+            let setting = Setting { scenario, index, row, learner: &**learner, keep_traces };
+            trial::run::<S>(setting, case, dataset, &yardstick)
         })
         .unzip();
-    Record { case, trials, references: references(&yardstick), timing: Timing { log_s, trials_s } }
-}
-
-/// The floors: best polynomials of the published degrees; and what starting models are as they are.
-fn references(yardstick: &Yardstick) -> Vec<Reference> {
-    let floor = Models { action: yardstick.best_action(4), sensor: yardstick.best_sensor(3), ..Models::default() };
-    let unlearned = [Start::C, Start::Sgn, Start::One].into_iter().filter_map(|start| Some((start, start.models()?)));
-    std::iter::once(("floor", None, floor))
-        .chain(unlearned.map(|(start, models)| ("unlearned", Some(start), models)))
-        .map(|(name, start, models)| Reference { name: name.to_owned(), start, scores: yardstick.score(&models) })
-        .collect()
+    let references = S::references(scenario, &dataset.log, &yardstick);
+    Record { case, trials, references, truth: S::truth(&yardstick), timing: Timing { log_s, trials_s } }
 }

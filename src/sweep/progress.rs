@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::cases::Found;
-use super::{Record, Watcher};
+use super::cases::Count;
+use super::{Timing, Watcher};
+use crate::trial::Case;
 
 /// Lines come this often at most, where nobody sees a bar.
 const LINE_EVERY: Duration = Duration::from_secs(10);
@@ -48,9 +49,9 @@ impl State {
 }
 
 impl Watcher for Progress {
-    fn begins(&self, found: &Found, trials_per_case: usize) {
+    fn begins(&self, found: &Count, trials_per_case: usize) {
         let Ok(mut state) = self.state.lock() else { return };
-        (state.trials_per_case, state.done, state.of) = (trials_per_case, found.done(), found.records.len());
+        (state.trials_per_case, state.done, state.of) = (trials_per_case, found.done, found.of);
         if found.stale {
             state.say("the scenario, its data or the program has changed: starting anew");
         }
@@ -65,7 +66,7 @@ impl Watcher for Progress {
         }
     }
 
-    fn finished(&self, record: &Record) {
+    fn finished(&self, case: &Case, timing: &Timing) {
         let Ok(mut state) = self.state.lock() else { return };
         state.done += 1;
         if let Some(bar) = &state.bar {
@@ -74,8 +75,8 @@ impl Watcher for Progress {
                 bar.finish_and_clear();
             }
         } else if state.of <= 50 || state.done == state.of || state.said.elapsed() > LINE_EVERY {
-            let learning_s: f64 = record.timing.trials_s.iter().sum();
-            let (name, log_s) = (record.case.name(), record.timing.log_s);
+            let learning_s: f64 = timing.trials_s.iter().sum();
+            let (name, log_s) = (case.name(), timing.log_s);
             let line = format!("{}: log {name} in {log_s:.1} s, learning in {learning_s:.1} s", state.count());
             state.say(&line);
         }

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use asami_dataset::{Dataset, Seed, Survey, Truth, store};
+use asami_dataset::{Dataset, Log, Seed, Survey, Truth, store};
 use asami_sim::robots::aibo::blueprint::URDF;
 
 use crate::import;
 use crate::report::exhibits::{self, Exhibits};
-use crate::scenario::{Recording, Scenario, Simulation};
+use crate::scenario::{Part, Recording, Robot, Scenario, Simulation, Study, Window};
 use crate::trial::Case;
 
 /// Makes or reads the log of each case.
@@ -27,6 +27,11 @@ pub trait Source: Sync {
     /// Truth about the models, where all cases share it.
     fn survey(&self) -> Option<Survey>;
 
+    /// The same after the robot changed, where it does; by default it does not.
+    fn changed(&self) -> Option<Survey> {
+        None
+    }
+
     /// What a report shows of the robot beside its logs; by default nothing.
     fn exhibits(&self) -> Exhibits {
         Exhibits::default()
@@ -38,20 +43,21 @@ pub struct Simulated {
     scenario: Scenario,
     simulation: Simulation,
     survey: Survey,
+    changed: Option<Survey>,
 }
 
 impl Simulated {
-    /// The simulation of `scenario`, surveyed.
+    /// The simulation of `scenario`, surveyed, also after its change.
     #[must_use]
-    pub fn new(scenario: &Scenario, simulation: &Simulation, survey: Survey) -> Self {
-        Self { scenario: scenario.clone(), simulation: simulation.clone(), survey }
+    pub fn new(scenario: &Scenario, simulation: &Simulation, survey: Survey, changed: Option<Survey>) -> Self {
+        Self { scenario: scenario.clone(), simulation: simulation.clone(), survey, changed }
     }
 }
 
 impl Source for Simulated {
     fn cases(&self) -> Vec<Case> {
         let first = self.simulation.first_seed;
-        (0..u64::from(self.simulation.seeds)).map(|i| Case { seed: first + i, window: None }).collect()
+        (0..u64::from(self.simulation.seeds)).map(|i| Case { seed: first + i, ..Case::default() }).collect()
     }
 
     fn dataset(&self, case: &Case) -> Result<Dataset, String> {
@@ -64,7 +70,7 @@ impl Source for Simulated {
 
     fn fingerprint(&self) -> String {
         // Debug shows every number by its shortest round trip: what differs at all differs here.
-        let survey = format!("{:?}", self.survey);
+        let survey = format!("{:?}", (&self.survey, &self.changed));
         format!("{} {}", blake3::hash(URDF.as_bytes()).to_hex(), blake3::hash(survey.as_bytes()).to_hex())
     }
 
@@ -72,19 +78,27 @@ impl Source for Simulated {
         Some(self.survey.clone())
     }
 
+    fn changed(&self) -> Option<Survey> {
+        self.changed.clone()
+    }
+
     fn exhibits(&self) -> Exhibits {
-        // A robot that cannot be built has failed every trial already: the page says so without pictures.
-        exhibits::of(&self.simulation).unwrap_or_default()
+        match (self.simulation.robot, self.scenario.study) {
+            // A robot that cannot be built has failed every trial already: the page says so without pictures.
+            (Robot::Aibo, Study::Line) => exhibits::of(&self.simulation).unwrap_or_default(),
+            _ => Exhibits::default(),
+        }
     }
 }
 
 /// Seed of the learners' own draws on a recorded log.
 const RECORDED_SEED: u64 = 1;
 
-/// Windows of a recorded log.
+/// Windows of recorded logs.
 pub struct Recorded {
     recording: Recording,
-    whole: Dataset,
+    /// In order of robot.
+    wholes: Vec<(Option<u16>, Dataset)>,
 }
 
 impl Recorded {
@@ -93,42 +107,76 @@ impl Recorded {
     /// # Errors
     /// A report on what is missing or wrong, or which window lies outside the log.
     pub fn open(recording: &Recording, path: &Path) -> Result<Self, miette::Report> {
-        let formats = import::catalogue();
-        let importer = recording.format.as_deref().and_then(|name| formats.iter().find(|it| it.name == name));
-        let whole = match importer {
-            Some(importer) => importer.import(path, None).map_err(|error| miette::miette!("{error}"))?.dataset,
-            None => store::read(path).map_err(crate::verb::shown)?,
-        };
-        let (first_s, last_s) = whole.log.span_s().unwrap_or((0.0, 0.0));
-        for window in &recording.windows {
-            // The last row may come one period before the window ends.
-            if window.start_s < first_s - 1.0 || window.span_s().end > last_s + 1.0 {
-                let (start_s, end_s) = (window.span_s().start, window.span_s().end);
-                let shown = path.display();
-                return Err(miette::miette!(
-                    "{shown}: the log lasts from {first_s} to {last_s} s; the window {start_s}..{end_s} s lies outside"
-                ));
+        let mut wholes: Vec<(Option<u16>, Dataset)> = Vec::new();
+        for part in &recording.parts {
+            if wholes.iter().all(|(robot, _)| *robot != part.robot) {
+                wholes.push((part.robot, read(recording, part.robot, path)?));
             }
         }
-        Ok(Self { recording: recording.clone(), whole })
+        for (_, whole) in &wholes {
+            let (first_s, last_s) = whole.log.span_s().unwrap_or((0.0, 0.0));
+            for window in &recording.windows {
+                // The last row may come one period before the window ends.
+                if window.start_s < first_s - 1.0 || window.span_s().end > last_s + 1.0 {
+                    let (start_s, end_s) = (window.span_s().start, window.span_s().end);
+                    let shown = path.display();
+                    return Err(miette::miette!(
+                        "{shown}: the log lasts from {first_s} to {last_s} s; the window {start_s}..{end_s} s lies outside"
+                    ));
+                }
+            }
+        }
+        Ok(Self { recording: recording.clone(), wholes })
     }
+}
+
+fn read(recording: &Recording, robot: Option<u16>, path: &Path) -> Result<Dataset, miette::Report> {
+    let formats = import::catalogue();
+    let importer = recording.format.as_deref().and_then(|name| formats.iter().find(|it| it.name == name));
+    let mut whole = match importer {
+        Some(importer) => importer.import(path, robot).map_err(|error| miette::miette!("{error}"))?.dataset,
+        None => store::read(path).map_err(crate::verb::shown)?,
+    };
+    if let Some(binning) = &recording.binning {
+        whole.log = binning.binned(&whole.log);
+    }
+    Ok(whole)
+}
+
+/// The log as if there were no landmarks but those of `ids`.
+fn with_landmarks(log: &Log, ids: &[u16]) -> Log {
+    let mut known = (*log.known).clone();
+    known.landmarks.retain(|landmark| ids.contains(&landmark.id));
+    let sightings: Vec<_> = log.sightings.iter().copied().filter(|seen| ids.contains(&seen.landmark)).collect();
+    Log { known: known.into(), sightings: sightings.into(), ..log.clone() }
 }
 
 impl Source for Recorded {
     fn cases(&self) -> Vec<Case> {
-        self.recording.windows.iter().map(|window| Case { seed: RECORDED_SEED, window: Some(*window) }).collect()
+        let case = |part: &Part, window: &Window| {
+            let landmarks = part.landmarks.as_ref().map(|ids| ids.len() as u16);
+            Case { seed: RECORDED_SEED, window: Some(*window), robot: part.robot, landmarks }
+        };
+        let Recording { parts, windows, .. } = &self.recording;
+        parts.iter().flat_map(|part| windows.iter().map(move |window| case(part, window))).collect()
     }
 
     fn dataset(&self, case: &Case) -> Result<Dataset, String> {
         let Some(window) = case.window else { return Err("a recording has windows, not seeds".into()) };
-        let track = self.whole.truth.track.window(&window.span_s());
-        let truth = Truth { track, survey: self.whole.truth.survey.clone() };
-        let provenance = self.whole.provenance.clone();
-        Ok(Dataset { log: self.whole.log.window(window.span_s()), truth, provenance })
+        let whole = self.wholes.iter().find(|(robot, _)| *robot == case.robot);
+        let (_, whole) = whole.ok_or("the recording has no such robot")?;
+        let is_case = |part: &&Part| {
+            part.robot == case.robot && part.landmarks.as_ref().map(|ids| ids.len() as u16) == case.landmarks
+        };
+        let part = self.recording.parts.iter().find(is_case).ok_or("the recording has no such part")?;
+        let log = whole.log.window(window.span_s());
+        let log = part.landmarks.as_ref().map_or_else(|| log.clone(), |ids| with_landmarks(&log, ids));
+        let truth = Truth { track: whole.truth.track.window(&window.span_s()), survey: whole.truth.survey.clone() };
+        Ok(Dataset { log, truth, provenance: whole.provenance.clone() })
     }
 
     fn fingerprint(&self) -> String {
-        blake3::hash(format!("{:?}", self.whole).as_bytes()).to_hex().to_string()
+        blake3::hash(format!("{:?}", self.wholes).as_bytes()).to_hex().to_string()
     }
 
     fn survey(&self) -> Option<Survey> {

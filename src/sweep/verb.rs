@@ -1,16 +1,17 @@
 //! The verb `sweep`: read, plan, run, write, say.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use miette::Report;
 
+use super::line::Chapter3;
+use super::plane::InPlane;
 use super::source::{Recorded, Simulated, Source};
-use super::summary::{Comparison, Summary};
-use super::table::Line;
-use super::{CannotSweep, Options, Plan, Results, Watcher, cases, expect, manifest, rows, summary, table};
-use crate::report;
-use crate::scenario::{Origin, Scenario, Start};
+use super::stride::Strides;
+use super::{CannotSweep, Finished, Options, Plan, Results, Watcher, manifest};
+use crate::scenario::{self, Origin, Scenario};
+use crate::study::{Finishing, Study};
 use crate::survey::Surveyor;
 use crate::trial::Ending;
 
@@ -25,20 +26,6 @@ pub struct Asked {
     pub out: PathBuf,
     /// Threads; `None`: one for each core.
     pub jobs: Option<usize>,
-}
-
-/// Results with everything that is said about them.
-pub struct Outcome {
-    /// Raw rows.
-    pub results: Results,
-    /// Statistics of each row.
-    pub summaries: Vec<Summary>,
-    /// Paired tests.
-    pub comparisons: Vec<Comparison>,
-    /// The table.
-    pub lines: Vec<Line>,
-    /// Expected answers.
-    pub verdicts: Vec<expect::Verdict>,
 }
 
 /// Makes a plan out of a checked scenario.
@@ -63,7 +50,8 @@ pub fn plan(mut scenario: Scenario, asked: &Asked) -> Result<Plan, Report> {
                 say: &|line| drop(writeln!(std::io::stderr(), "{line}")),
             };
             let survey = surveyor.survey(simulation).map_err(crate::verb::plain)?;
-            Box::new(Simulated::new(&scenario, simulation, survey))
+            let changed = simulation.changed().map(|changed| surveyor.survey_after(&changed)).transpose();
+            Box::new(Simulated::new(&scenario, simulation, survey, changed.map_err(crate::verb::plain)?))
         }
         Origin::Recorded(recording) => {
             let path = asked.data.clone().unwrap_or_else(|| manifest::repository().join(&recording.source));
@@ -91,83 +79,27 @@ pub fn plan(mut scenario: Scenario, asked: &Asked) -> Result<Plan, Report> {
 ///
 /// # Errors
 /// If files cannot be written.
-pub fn carry_out(plan: &Plan, options: &Options, watcher: &dyn Watcher) -> Result<Outcome, CannotSweep> {
-    let results = super::run(plan, options, watcher)?;
-    let outcome = Outcome::of(results);
-    outcome.write(&options.out, &options.program)?;
-    report::sweep::write(&outcome, &plan.source.exhibits(), &options.program, &options.out)?;
-    Ok(outcome)
+pub fn carry_out(plan: &Plan, options: &Options, watcher: &dyn Watcher) -> Result<Finished, CannotSweep> {
+    match plan.scenario.study {
+        scenario::Study::Line => of_study::<Chapter3>(plan, options, watcher),
+        scenario::Study::Plane => of_study::<InPlane>(plan, options, watcher),
+        scenario::Study::Stride => of_study::<Strides>(plan, options, watcher),
+    }
 }
 
-impl Outcome {
-    /// Works out everything that is said about `results`.
-    #[must_use]
-    pub fn of(results: Results) -> Self {
-        let summaries = summary::summaries(&results);
-        let comparisons = summary::comparisons(&results);
-        let lines = table::lines(&results, &summaries);
-        let verdicts = expect::verdicts(&results, &summaries, &comparisons, &lines);
-        Self { results, summaries, comparisons, lines, verdicts }
-    }
+fn of_study<S: Study>(plan: &Plan, options: &Options, watcher: &dyn Watcher) -> Result<Finished, CannotSweep> {
+    let results = super::run::<S>(plan, options, watcher)?;
+    let exhibits = plan.source.exhibits();
+    S::finish(results, &Finishing { out: &options.out, program: &options.program, exhibits })
+}
 
-    /// Writes every file but figures and the report.
-    ///
-    /// # Errors
-    /// If a file cannot be written.
-    pub fn write(&self, out: &Path, program: &str) -> Result<(), CannotSweep> {
-        rows::write(&self.results, out)?;
-        let manifest = serde_json::to_string_pretty(&manifest::manifest(&self.results, program));
-        let path = out.join("manifest.json");
-        let manifest = manifest.map_err(std::io::Error::other).map_err(CannotSweep::file("serialise", &path))?;
-        let files = [
-            ("table_3_1.csv", table::csv(&self.lines)),
-            ("table_3_1.md", table::markdown(&self.lines)),
-            ("table_3_1.tex", table::tex(&self.lines)),
-            ("statistics.csv", table::statistics_csv(&self.results, &self.summaries)),
-            ("comparisons.csv", table::comparisons_csv(&self.results, &self.comparisons)),
-            ("manifest.json", manifest + "\n"),
-        ];
-        for (name, text) in files {
-            cases::write_whole(&out.join(name), text.as_bytes())?;
-        }
-        Ok(())
-    }
-
-    /// What a terminal shows at the end: question, table, expected answers, errors.
-    #[must_use]
-    pub fn text(&self) -> String {
-        let mut text = format!("{}\n\n{}", self.results.scenario.about, table::plain(&self.lines));
-        for remark in table::remarks(&self.results, &self.summaries) {
-            text.push_str(&format!("\n{remark}"));
-        }
-        for it in &self.comparisons {
-            let name = |row: usize| {
-                let row = &self.results.scenario.rows[row];
-                format!("{} {}", row.label, row.start.map_or("", Start::name)).trim_end().to_owned()
-            };
-            let (row, against, seconds) =
-                (name(it.row), name(it.against), self.results.scenario.rows[it.row].duration_s);
-            let difference = it.median_difference * 1000.0;
-            let (quantity, pairs, p) = (it.quantity, it.pairs, it.p);
-            text.push_str(&format!(
-                "\n{row} against {against}, {seconds} s, {quantity}: median difference {difference:+.1} over {pairs} \
-                 logs, Wilcoxon p = {p:.1e}"
-            ));
-        }
-        text.push('\n');
-        for verdict in &self.verdicts {
-            text.push_str(&format!(
-                "\n{} {}",
-                if verdict.holds { "as expected:" } else { "NOT as expected:" },
-                verdict.claim
-            ));
-        }
-        let errors = self.results.trials().filter(|(_, trial)| trial.ending == Ending::Error);
-        for (record, trial) in errors {
-            let label = &self.results.scenario.rows[trial.row].label;
-            text.push_str(&format!("\nERROR: {label} on {}: {}", record.case.name(), trial.reason));
-        }
-        text.push('\n');
-        text
-    }
+/// What a terminal is told of trials that gave no result.
+#[must_use]
+pub fn errors<S: Study>(results: &Results<S>) -> String {
+    let errors = results.trials().filter(|(_, trial)| trial.ending == Ending::Error);
+    let line = |(record, trial): (&super::Record<S>, &crate::trial::Trial<S::Scores>)| {
+        let label = &results.scenario.rows[trial.row].label;
+        format!("\nERROR: {label} on {}: {}", record.case.name(), trial.reason)
+    };
+    errors.map(line).collect()
 }

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use asami::import::barfoot_1d::read;
-use asami::scorer::Yardstick;
+use asami::scorer::line::Yardstick;
 use asami_dataset::store;
 use asami_math::polynomial::Polynomial;
 

@@ -16,6 +16,8 @@ use asami_math::polynomial::{Polynomial, powers};
 use asami_math::regression::least_squares;
 use serde::{Deserialize, Serialize};
 
+use super::{finite, mean, range, square};
+
 /// Errors of learned models after scaling, and the scales. What does not exist is `None`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Scores {
@@ -218,24 +220,6 @@ fn spanning(degree: usize, arguments: impl Iterator<Item = f64> + Clone) -> Opti
     let greatest = arguments.clone().fold(f64::NEG_INFINITY, f64::max);
     let (centre, scale) = ((least + greatest) / 2.0, (greatest - least) / 2.0);
     (arguments.count() > degree && scale > 0.0).then(|| Polynomial { coefficients: Vec::new(), centre, scale })
-}
-
-fn range(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (least, greatest) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-    finite(greatest - least)
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, n) = values.fold((0.0, 0.0), |(sum, n), value| (sum + value, n + 1.0));
-    sum / n
-}
-
-fn square(x: f64) -> f64 {
-    x * x
-}
-
-fn finite(x: f64) -> Option<f64> {
-    x.is_finite().then_some(x)
 }
 
 #[cfg(test)]

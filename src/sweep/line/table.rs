@@ -3,35 +3,14 @@
 use asami_dataset::store::number;
 use asami_math::statistics;
 
-use super::Results;
+use super::Chapter3;
 use super::published::{CHAPTER_3, Published};
-use super::rows::optional;
-use super::summary::{Comparison, Spread, Summary, counted};
+use super::summary::{Comparison, Summary};
 use crate::scenario::{Row, Start};
-use crate::scorer::Scores;
-
-/// Whose numbers a line holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Whose {
-    /// Measured in this sweep.
-    Asami,
-    /// Needs truth: no learner could have it.
-    Reference,
-    /// Printed.
-    Dissertation,
-}
-
-impl Whose {
-    /// As in `table_3_1.csv`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Whose::Asami => "asami",
-            Whose::Reference => "reference",
-            Whose::Dissertation => "dissertation",
-        }
-    }
-}
+use crate::scorer::line::Scores;
+use crate::sweep::{Results, Whose};
+use crate::sweep::rows::optional;
+use crate::sweep::spread::Spread;
 
 /// Mean and standard deviation.
 pub type MeanSd = (f64, Option<f64>);
@@ -61,7 +40,7 @@ pub struct Line {
 
 /// The lines in their order: each of ours, the published one under it; then the references.
 #[must_use]
-pub fn lines(results: &Results, summaries: &[Summary]) -> Vec<Line> {
+pub fn lines(results: &Results<Chapter3>, summaries: &[Summary]) -> Vec<Line> {
     let mut lines = Vec::new();
     for (row, summary) in results.scenario.rows.iter().zip(summaries) {
         let published = published(row);
@@ -95,7 +74,7 @@ fn published(row: &Row) -> Option<&'static Published> {
 
 /// What the dissertation prints beside its table, with ours: a sentence each.
 #[must_use]
-pub fn remarks(results: &Results, summaries: &[Summary]) -> Vec<String> {
+pub fn remarks(results: &Results<Chapter3>, summaries: &[Summary]) -> Vec<String> {
     let mut remarks = Vec::new();
     for (row, summary) in results.scenario.rows.iter().zip(summaries) {
         let Some(published) = published(row) else { continue };
@@ -136,15 +115,15 @@ fn printed(published: &Published) -> Line {
     }
 }
 
-fn reference_names(results: &Results) -> Vec<(String, Option<Start>)> {
+fn reference_names(results: &Results<Chapter3>) -> Vec<(String, Option<Start>)> {
     let first = results.records.iter().map(|record| &record.references).find(|references| !references.is_empty());
     first.into_iter().flatten().map(|reference| (reference.name.clone(), reference.start)).collect()
 }
 
 /// The mean over the cases; they differ only where each has a truth of its own.
-fn reference(results: &Results, name: &str, start: Option<Start>) -> Line {
+fn reference(results: &Results<Chapter3>, name: &str, start: Option<Start>) -> Line {
     let of = |value: fn(&Scores) -> Option<f64>| {
-        let values: Vec<f64> = counted(results)
+        let values: Vec<f64> = results.counted()
             .flat_map(|record| &record.references)
             .filter(|reference| reference.name == name && reference.start == start)
             .filter_map(|reference| value(&reference.scores))
@@ -198,7 +177,7 @@ pub fn csv(lines: &[Line]) -> String {
 
 /// `statistics.csv`: beside mean and standard deviation what is less easily led astray by one trial.
 #[must_use]
-pub fn statistics_csv(results: &Results, summaries: &[Summary]) -> String {
+pub fn statistics_csv(results: &Results<Chapter3>, summaries: &[Summary]) -> String {
     let mut text = String::from(
         "learner,starting_model,duration_s,quantity,unit,mean,sd,median,interquartile_mean,mean_95_low,mean_95_high\n",
     );
@@ -224,7 +203,7 @@ pub fn statistics_csv(results: &Results, summaries: &[Summary]) -> String {
 
 /// `comparisons.csv`: paired tests over the logs on which both rows converged.
 #[must_use]
-pub fn comparisons_csv(results: &Results, comparisons: &[Comparison]) -> String {
+pub fn comparisons_csv(results: &Results<Chapter3>, comparisons: &[Comparison]) -> String {
     let mut text = String::from(
         "learner,starting_model,duration_s,against_learner,against_starting_model,quantity,pairs,\
          median_difference_mm,wilcoxon_p\n",
@@ -321,6 +300,7 @@ fn tex_start(start: Option<Start>) -> String {
         Some(Start::One) => "$1$".into(),
         Some(Start::ReferenceQuartic) => "best quartic".into(),
         Some(Start::ReferenceCubic) => "(best cubic $S$)".into(),
+        Some(of_chapter_4) => of_chapter_4.name().replace('_', "\\_"),
     }
 }
 

@@ -1,30 +1,14 @@
 //! Statistics over a row's trials, and paired comparisons of rows.
 
-use asami_dataset::Seed;
 use asami_math::statistics;
 
-use super::{Record, Results};
-use crate::scenario::Row;
-use crate::scorer::Scores;
-use crate::trial::{Ending, Trial};
+use super::Chapter3;
+use crate::scorer::line::Scores;
+use crate::sweep::spread::{Spread, stream};
+use crate::sweep::{Record, Results};
+use crate::trial::{self, Ending};
 
-/// Resamplings of a bootstrap interval.
-const RESAMPLES: usize = 2000;
-
-/// One quantity over a row's converged trials.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Spread {
-    /// Mean, as the dissertation prints it.
-    pub mean: f64,
-    /// Standard deviation with n - 1, as the dissertation prints it; `None` for one trial.
-    pub sd: Option<f64>,
-    /// Median.
-    pub median: f64,
-    /// Mean of the middle half.
-    pub interquartile_mean: f64,
-    /// 95 % bootstrap interval of the mean.
-    pub interval: Option<[f64; 2]>,
-}
+type Trial = trial::Trial<Scores>;
 
 /// A row of the table.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,21 +48,16 @@ pub struct Comparison {
 
 /// The summary of every row, in order. Overlapping windows are left out: they would count data twice.
 #[must_use]
-pub fn summaries(results: &Results) -> Vec<Summary> {
+pub fn summaries(results: &Results<Chapter3>) -> Vec<Summary> {
     (0..results.scenario.rows.len()).map(|row| summary(results, row)).collect()
 }
 
-/// The cases that statistics are taken over: not the overlapping windows, which would count data twice.
-pub fn counted(results: &Results) -> impl Iterator<Item = &Record> {
-    results.records.iter().filter(|record| !record.case.window.is_some_and(|window| window.overlapping))
-}
-
-fn summary(results: &Results, row: usize) -> Summary {
-    let trials: Vec<&Trial> = counted(results).filter_map(|record| record.trials.get(row)).collect();
+fn summary(results: &Results<Chapter3>, row: usize) -> Summary {
+    let trials: Vec<&Trial> = results.counted().filter_map(|record| record.trials.get(row)).collect();
     let converged: Vec<&Trial> = trials.iter().copied().filter(|trial| trial.ending == Ending::Converged).collect();
     let of = |name: &str, value: fn(&Trial) -> Option<f64>| {
         let values: Vec<f64> = converged.iter().filter_map(|trial| value(trial)).collect();
-        spread(&values, &format!("bootstrap/{}/{name}", stream_name(&results.scenario.rows[row])))
+        Spread::of(&values, &stream(&results.scenario.rows[row], name))
     };
     Summary {
         row,
@@ -91,25 +70,10 @@ fn summary(results: &Results, row: usize) -> Summary {
     }
 }
 
-fn stream_name(row: &Row) -> String {
-    format!("{}/{}/{}", row.label, row.start.map_or("", crate::scenario::Start::name), row.duration_s)
-}
-
-fn spread(values: &[f64], stream: &str) -> Option<Spread> {
-    let mut rng = Seed(0).stream(stream);
-    Some(Spread {
-        mean: statistics::mean(values)?,
-        sd: statistics::standard_deviation(values),
-        median: statistics::median(values)?,
-        interquartile_mean: statistics::interquartile_mean(values)?,
-        interval: statistics::bootstrap_interval(values, 0.95, RESAMPLES, &mut rng),
-    })
-}
-
 /// Every row that needs no starting model against every row of Algorithm 1 as published, of the same
 /// duration.
 #[must_use]
-pub fn comparisons(results: &Results) -> Vec<Comparison> {
+pub fn comparisons(results: &Results<Chapter3>) -> Vec<Comparison> {
     let rows = &results.scenario.rows;
     let mut found = Vec::new();
     for (i, row) in rows.iter().enumerate().filter(|(_, row)| row.start.is_none()) {
@@ -129,18 +93,18 @@ pub fn comparisons(results: &Results) -> Vec<Comparison> {
 }
 
 fn compare(
-    results: &Results,
+    results: &Results<Chapter3>,
     row: usize,
     against: usize,
     quantity: &'static str,
     value: fn(&Scores) -> Option<f64>,
 ) -> Option<Comparison> {
-    let of = |record: &Record, row: usize| {
+    let of = |record: &Record<Chapter3>, row: usize| {
         let trial = record.trials.get(row).filter(|trial| trial.ending == Ending::Converged)?;
         value(&trial.scores)
     };
     let differences: Vec<f64> =
-        counted(results).filter_map(|record| Some(of(record, row)? - of(record, against)?)).collect();
+        results.counted().filter_map(|record| Some(of(record, row)? - of(record, against)?)).collect();
     Some(Comparison {
         row,
         against,

@@ -1,22 +1,15 @@
 //! Whether the expected answers of a scenario came out.
 
-use super::Results;
+use super::Chapter3;
 use super::summary::{Comparison, Summary};
-use super::table::{Line, Whose};
+use super::table::Line;
 use crate::scenario::{Expect, Start};
-
-/// One expected answer and what came of it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Verdict {
-    /// What was expected of which row, and what was found.
-    pub claim: String,
-    /// Whether it holds.
-    pub holds: bool,
-}
+use crate::sweep::verdict::{Verdict, shares};
+use crate::sweep::{Results, Whose};
 
 /// Every claim of the scenario's `[[expect]]`, in order.
 #[must_use]
-pub fn verdicts(results: &Results, summaries: &[Summary], comparisons: &[Comparison], lines: &[Line]) -> Vec<Verdict> {
+pub fn verdicts(results: &Results<Chapter3>, summaries: &[Summary], comparisons: &[Comparison], lines: &[Line]) -> Vec<Verdict> {
     let rows = &results.scenario.rows;
     let mut verdicts = Vec::new();
     for expect in &results.scenario.expect {
@@ -33,20 +26,13 @@ pub fn verdicts(results: &Results, summaries: &[Summary], comparisons: &[Compari
 fn claims(
     expect: &Expect,
     index: usize,
-    results: &Results,
+    results: &Results<Chapter3>,
     summary: &Summary,
     comparisons: &[Comparison],
     lines: &[Line],
 ) -> Vec<(String, bool)> {
     let mut claims = Vec::new();
-    let share = summary.converged as f64 / (summary.trials as f64).max(1.0);
-    let count = format!("{} of {}", summary.converged, summary.trials);
-    if let Some(least) = expect.converged_share_min {
-        claims.push((format!("at least {:.0} % converge ({count})", 100.0 * least), share >= least));
-    }
-    if let Some(most) = expect.converged_share_max {
-        claims.push((format!("at most {:.0} % converge ({count})", 100.0 * most), share <= most));
-    }
+    claims.extend(shares(expect, summary.converged, summary.trials));
     let reference = |name: &str, start: Option<Start>| {
         lines.iter().find(|line| line.whose == Whose::Reference && line.learner == name && line.start == start)
     };

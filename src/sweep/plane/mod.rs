@@ -1,0 +1,82 @@
+//! Sections 4.4.1 and 4.4.2 of Stronger (2008): their side of a sweep.
+
+pub mod quantities;
+pub mod rows;
+
+use asami_dataset::{Dataset, Log, Models, Survey};
+use asami_learners::line::Unit;
+use serde::{Deserialize, Serialize};
+
+use super::{CannotSweep, Finished, Results, rows as shared, verb};
+use crate::scenario::{Row, Scenario, Start};
+use crate::scorer::plane::{Scores, Yardstick};
+use crate::study::{Finishing, Reference, Study};
+
+/// Models of chapter 4 in the plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InPlane;
+
+/// What tables need of the truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Truth {
+    /// Whether sizes are ranges in metres, not heights in pixels.
+    pub in_metres: bool,
+    /// True standard deviation of sizes.
+    pub sigma1: Option<f64>,
+    /// True standard deviation of bearings.
+    pub sigma2_rad: Option<f64>,
+    /// Greatest less least velocity: right, forward, turn.
+    pub velocity_ranges: Option<[f64; 3]>,
+    /// Greatest less least mean size.
+    pub size_range: Option<f64>,
+}
+
+impl Study for InPlane {
+    type Scores = Scores;
+    type Yardstick = Yardstick;
+    type Truth = Truth;
+
+    fn yardstick(_: &Scenario, dataset: &Dataset, _: Option<&Survey>) -> Yardstick {
+        Yardstick::of(&dataset.log, &dataset.truth)
+    }
+
+    fn given(scenario: &Scenario, row: &Row, log: &Log, _: &Yardstick) -> Result<Models, String> {
+        let Some(start) = row.start else { return Ok(Models::default()) };
+        scenario.starting.models(start, log).map_err(|lack| lack.to_string())
+    }
+
+    fn truth(yardstick: &Yardstick) -> Truth {
+        Truth {
+            in_metres: yardstick.unit == Unit::RangeM,
+            sigma1: yardstick.sigma1,
+            sigma2_rad: yardstick.sigma2_rad,
+            velocity_ranges: yardstick.velocity_ranges(),
+            size_range: yardstick.size_range(),
+        }
+    }
+
+    fn score(yardstick: &Yardstick, models: &Models) -> Scores {
+        yardstick.score(models)
+    }
+
+    fn faults(scenario: &Scenario, _: &Row, yardstick: &Yardstick, models: &Models, scores: &Scores) -> Vec<String> {
+        yardstick.faults(models, scores, scenario.divergence.r2_min)
+    }
+
+    /// The floor: the best cubic f; and what starting models are as they are.
+    fn references(scenario: &Scenario, log: &Log, yardstick: &Yardstick) -> Vec<Reference<Scores>> {
+        let floor = Models { sensor: yardstick.best_sensor(3), ..Models::default() };
+        let starts = [Start::Published, Start::Attempted].into_iter();
+        let unlearned = starts.filter_map(|start| Some((start, scenario.starting.models(start, log).ok()?)));
+        std::iter::once(("floor", None, floor))
+            .chain(unlearned.map(|(start, models)| ("unlearned", Some(start), models)))
+            .map(|(name, start, models)| Reference { name: name.to_owned(), start, scores: yardstick.score(&models) })
+            .collect()
+    }
+
+    fn finish(results: Results<Self>, finishing: &Finishing<'_>) -> Result<Finished, CannotSweep> {
+        shared::write(&results, &rows::trials(&results), finishing.out)?;
+        let text = format!("{}\n{}\n", results.scenario.about, verb::errors(&results));
+        Ok(Finished { text, has_errors: results.has_errors() })
+    }
+}

@@ -1,0 +1,110 @@
+//! Section 4.4.3 of Stronger (2008): its side of a sweep.
+
+pub mod quantities;
+pub mod rows;
+
+use asami_dataset::{Action, Dataset, Log, Models, Survey};
+use serde::{Deserialize, Serialize};
+
+use super::{CannotSweep, Finished, Results, rows as shared, verb};
+use crate::scenario::{Era, Origin, Row, Scenario, Start};
+use crate::scorer::stride::{Scores, Yardstick};
+use crate::study::{Finishing, Reference, Study};
+
+/// Models of chapter 4 along a line, before and after the robot changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strides;
+
+/// Something of each era; of a robot that does not change, there is no era after.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ByEra<T> {
+    /// Before the change.
+    pub before: T,
+    /// After it.
+    pub after: Option<T>,
+}
+
+impl<T> ByEra<T> {
+    /// That of `era`.
+    pub fn of(&self, era: Era) -> Option<&T> {
+        match era {
+            Era::Before => Some(&self.before),
+            Era::After => self.after.as_ref(),
+        }
+    }
+
+    fn map<U>(&self, f: impl Fn(&T) -> U) -> ByEra<U> {
+        ByEra { before: f(&self.before), after: self.after.as_ref().map(f) }
+    }
+}
+
+/// What tables need of an era's truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Truth {
+    /// Greatest less least speed.
+    pub speed_range_m_per_s: Option<f64>,
+    /// Greatest less least mean height.
+    pub height_range_px: Option<f64>,
+}
+
+impl Study for Strides {
+    type Scores = ByEra<Scores>;
+    type Yardstick = ByEra<Yardstick>;
+    type Truth = ByEra<Truth>;
+
+    fn yardstick(scenario: &Scenario, dataset: &Dataset, changed: Option<&Survey>) -> ByEra<Yardstick> {
+        let Origin::Simulated(simulation) = &scenario.origin else { return ByEra::default() };
+        let stride = |action: &Action| match *action {
+            Action::Legs { id, ay_m_per_s, .. } => Some((id?, ay_m_per_s)),
+            _ => None,
+        };
+        let strides: Vec<(u16, f64)> = simulation.suite.strides().iter().filter_map(stride).collect();
+        let before = dataset.truth.survey.as_ref().map(|survey| Yardstick::surveyed(survey, &strides));
+        let after = changed.map(|survey| Yardstick::surveyed(survey, &strides));
+        ByEra { before: before.unwrap_or_default(), after }
+    }
+
+    fn given(scenario: &Scenario, row: &Row, log: &Log, _: &ByEra<Yardstick>) -> Result<Models, String> {
+        let Some(start) = row.start else { return Ok(Models::default()) };
+        scenario.starting.models(start, log).map_err(|lack| lack.to_string())
+    }
+
+    fn truth(yardstick: &ByEra<Yardstick>) -> ByEra<Truth> {
+        yardstick.map(|era| Truth {
+            speed_range_m_per_s: era.speed_range_m_per_s(),
+            height_range_px: era.height_range_px(),
+        })
+    }
+
+    fn score(yardstick: &ByEra<Yardstick>, models: &Models) -> ByEra<Scores> {
+        yardstick.map(|era| era.score(models))
+    }
+
+    fn faults(
+        scenario: &Scenario,
+        row: &Row,
+        yardstick: &ByEra<Yardstick>,
+        models: &Models,
+        scores: &ByEra<Scores>,
+    ) -> Vec<String> {
+        let own = yardstick.of(row.era).zip(scores.of(row.era));
+        own.map_or_else(Vec::new, |(era, scores)| era.faults(models, scores, scenario.divergence.r2_min))
+    }
+
+    /// The floor: the best cubic f; and what starting models are as they are.
+    fn references(scenario: &Scenario, log: &Log, yardstick: &ByEra<Yardstick>) -> Vec<Reference<ByEra<Scores>>> {
+        let floor = yardstick.map(|era| era.score(&Models { sensor: era.best_sensor(3), ..Models::default() }));
+        let unlearned = scenario.starting.models(Start::Attempted, log).map(|models| Self::score(yardstick, &models));
+        let floor = Reference { name: "floor".to_owned(), start: None, scores: floor };
+        let unlearned = unlearned.map(|scores| {
+            Reference { name: "unlearned".to_owned(), start: Some(Start::Attempted), scores }
+        });
+        std::iter::once(floor).chain(unlearned.ok()).collect()
+    }
+
+    fn finish(results: Results<Self>, finishing: &Finishing<'_>) -> Result<Finished, CannotSweep> {
+        shared::write(&results, &rows::trials(&results), finishing.out)?;
+        let text = format!("{}\n{}\n", results.scenario.about, verb::errors(&results));
+        Ok(Finished { text, has_errors: results.has_errors() })
+    }
+}

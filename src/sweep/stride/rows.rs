@@ -1,0 +1,50 @@
+//! `trials.csv` along the line: a row for each trial and era of the truth.
+
+use super::Strides;
+use super::quantities::QUANTITIES;
+use crate::scenario::{Era, Start};
+use crate::sweep::Results;
+use crate::sweep::rows::{optional, quoted};
+use crate::trial::Ending;
+
+/// `trials.csv`.
+#[must_use]
+pub fn trials(results: &Results<Strides>) -> String {
+    let names: Vec<&str> = QUANTITIES.iter().map(|quantity| quantity.name).collect();
+    let mut text = format!(
+        "scenario,learner,starting_model,seed,converged,iterations,learned_era,truth_era,{},observations,\
+         log_likelihood_start,log_likelihood_best,duration_s,lacks,verdict,reason\n",
+        names.join(",")
+    );
+    for (record, trial) in results.trials() {
+        let row = &results.scenario.rows[trial.row];
+        for era in [Era::Before, Era::After] {
+            // A trial that learned nothing has a row all the same: against its own era.
+            let scores = trial.scores.of(era).zip(record.truth.of(era));
+            if scores.is_none() && era != row.era {
+                continue;
+            }
+            let mut fields = vec![
+                results.scenario.name.clone(),
+                row.label.clone(),
+                row.start.map_or("", Start::name).to_owned(),
+                trial.case.seed.to_string(),
+                (trial.ending == Ending::Converged).to_string(),
+                trial.iterations.map_or_else(String::new, |n| n.to_string()),
+                row.era.name().to_owned(),
+                era.name().to_owned(),
+            ];
+            let of = |quantity: &super::quantities::Quantity| {
+                optional(scores.and_then(|(scores, truth)| (quantity.of)(scores, truth)))
+            };
+            fields.extend(QUANTITIES.iter().map(of));
+            fields.push(trial.observations.to_string());
+            fields.extend([trial.likelihood.map(|it| it.start), trial.likelihood.map(|it| it.best)].map(optional));
+            fields.push(optional(Some(row.duration_s)));
+            fields.extend([quoted(&trial.lacks.join("; ")), trial.ending.name().to_owned(), quoted(&trial.reason)]);
+            text.push_str(&fields.join(","));
+            text.push('\n');
+        }
+    }
+    text
+}
