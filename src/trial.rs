@@ -198,12 +198,7 @@ pub fn part(scenario: &Scenario, row: &Row, case: &Case, log: &Log) -> Log {
     log.window(begin_s..begin_s + row.duration_s)
 }
 
-fn learn<S: Study>(
-    setting: Setting<'_>,
-    case: Case,
-    dataset: &Dataset,
-    yardstick: &S::Yardstick,
-) -> Trial<S::Scores> {
+fn learn<S: Study>(setting: Setting<'_>, case: Case, dataset: &Dataset, yardstick: &S::Yardstick) -> Trial<S::Scores> {
     let Setting { scenario, row, .. } = setting;
     let log = part(scenario, row, &case, &dataset.log);
     let blank = Trial { observations: log.sightings.len(), ..blank(setting.index, case) };

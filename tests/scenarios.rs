@@ -8,6 +8,7 @@ use proptest::prelude::*;
 
 const AIBO: &str = include_str!("../scenarios/aibo_1d.toml");
 const BARFOOT: &str = include_str!("../scenarios/barfoot_1d.toml");
+const PLAIN: &str = include_str!("../scenarios/plain_2d.toml");
 
 fn shown(bad: &Bad) -> String {
     let handler = miette::GraphicalReportHandler::new_themed(miette::GraphicalTheme::none());
@@ -68,7 +69,7 @@ fn with_line(text: &str, line: usize, replacement: &str) -> String {
 #[test]
 fn every_broken_line_is_refused_where_it_stands() {
     let mut broken = 0;
-    for text in [AIBO, BARFOOT] {
+    for text in [AIBO, BARFOOT, PLAIN] {
         for (line, key, value) in settings(text) {
             let is_number = value.parse::<f64>().is_ok();
             let mut ways = vec![
@@ -142,10 +143,28 @@ fn rules_are_stated_with_the_value_and_the_remedy() {
         (AIBO, "[divergence]", "[aibo.gaitt]\n[divergence]", "did you mean `gait`?"),
         (AIBO, "[divergence]", "[camera]\nfocal_px = 1.0\n[divergence]", "focal_px must lie in 20..=5000 px, not 1"),
         (AIBO, "id = 0\n", "", "missing field `id`"),
+        (AIBO, "[drive]", "[explore]\n[drive]", "explore is the policy in the plane; study \"line\" takes [drive]"),
+        (AIBO, "[drive]", "[change]\n[drive]", "change belongs to study \"stride\"; this one's is \"line\""),
+        (AIBO, "[drive]", "[starting]\n[drive]", "starting belongs to studies \"plane\" and \"stride\""),
+        (AIBO, "start = \"sgn\"", "start = \"sgn\"\nera = \"after\"", "there is no era \"after\""),
+        (AIBO, "learner = \"canonical\"", "learner = \"em_rts\"", "learner em_rts is not for study \"line\""),
+        (AIBO, "beats_unlearned = true", "median_max = { nis = 1 }", "median_max belongs to studies"),
+        (PLAIN, "study = \"plane\"", "study = \"plain\"", "did you mean `plane`?"),
+        (PLAIN, "study = \"plane\"", "study = \"line\"", "explore is the policy in the plane"),
+        (PLAIN, "[explore]", "[drive]", "drive is the policy along a line; study \"plane\" takes [explore]"),
+        (PLAIN, "\"f_worse_1\"", "\"f_worse_4\"", "did you mean `f_worse_"),
+        (PLAIN, "start = \"attempted\"", "start = \"c\"", "another of chapter 4's, not c"),
+        (PLAIN, "\"em_published\"", "\"algorithm1\"", "learner algorithm1 is not for study \"plane\""),
+        (PLAIN, "sigma2_rad = 0.5", "sigma2_rad = 5.0", "sigma2_rad must lie in 0..=2 rad, not 5"),
+        (PLAIN, "vx_rmse_mm_per_s = ", "vx_rmse_mm_s = ", "did you mean `vx_rmse_mm_per_s`?"),
+        (PLAIN, "[explore]", "[binning]\nv_cells = 3\n[explore]", "binning belongs to recorded scenarios"),
+        (BARFOOT, "[windows]", "landmarks = [[1, 2], [3, 4]]\n[windows]", "sets are told apart by their size"),
+        (BARFOOT, "[windows]", "landmarks = [[1, 1]]\n[windows]", "at least one, and none twice"),
+        (BARFOOT, "[windows]", "robots = [1, 1]\n[windows]", "robots must differ; 1 stands here twice"),
         (BARFOOT, "225.0", "200.0", "disjoint windows must not overlap: 200 < 75 + length_s 150"),
         (BARFOOT, "[75.0, 225.0, 375.0, 525.0]", "[]", "at least one start"),
         (BARFOOT, "[windows]", "[window]", "did you mean `windows`?"),
-        (BARFOOT, "barfoot-1d", "barfoot-2d", "did you mean `barfoot-1d`?"),
+        (BARFOOT, "barfoot-1d", "barfoot-3d", "did you mean `barfoot-1d`?"),
         (BARFOOT, "\"../shared/data/barfoot_1d\"", "\"\"", "source must be the path of a recorded log, not empty"),
         (BARFOOT, "[divergence]", "[drive]\n[divergence]", "drive belongs to simulated scenarios"),
         (BARFOOT, "overlapping_every_s = 25.0", "overlapping_every_s = 0", "must lie in 0.1..=36000 s, not 0"),

@@ -7,8 +7,8 @@ use asami_math::statistics;
 use crate::draw::Figure;
 use crate::draw::chapter3::{self, Learning};
 use crate::scorer::line::Scores;
-use crate::sweep::line::{Chapter3, rows};
 use crate::sweep;
+use crate::sweep::line::{Chapter3, rows};
 use crate::trial;
 
 type Results = sweep::Results<Chapter3>;
@@ -45,8 +45,7 @@ pub fn figures(results: &Results) -> Vec<Figure> {
         };
         trials().map(points).filter(|curve: &Vec<[f64; 2]>| !curve.is_empty()).collect()
     };
-    let sensor =
-        chapter3::figure_3_9(Learning::Sensor, &curves(|it| it.sensor_rmse_m), floor(|it| it.sensor_rmse_m));
+    let sensor = chapter3::figure_3_9(Learning::Sensor, &curves(|it| it.sensor_rmse_m), floor(|it| it.sensor_rmse_m));
     let action = chapter3::figure_3_9(
         Learning::Action,
         &curves(|it| it.action_rmse_m_per_s),

@@ -11,8 +11,8 @@ use crate::draw::Figure;
 use crate::draw::chapter3;
 use crate::scenario::{Origin, Start};
 use crate::sweep::cases::write_whole;
-use crate::sweep::line::table::{self, Line, MeanSd};
 use crate::sweep::line::Outcome;
+use crate::sweep::line::table::{self, Line, MeanSd};
 use crate::sweep::manifest::{self, Manifest};
 use crate::sweep::spread::Spread;
 use crate::sweep::{CannotSweep, Whose};
@@ -154,7 +154,8 @@ fn table_section(outcome: &Outcome) -> Section {
 }
 
 fn cells(line: &Line) -> [Cell; 8] {
-    let spread = |pick: fn(&crate::sweep::line::summary::Summary) -> Option<&Spread>| line.summary.as_ref().and_then(pick);
+    let spread =
+        |pick: fn(&crate::sweep::line::summary::Summary) -> Option<&Spread>| line.summary.as_ref().and_then(pick);
     let converged = match (line.converged, line.trials) {
         (Some(converged), Some(trials)) => Cell {
             text: format!("{converged}/{trials}"),

@@ -155,4 +155,3 @@ impl Window {
         self.start_s..self.start_s + self.length_s
     }
 }
-

@@ -233,13 +233,7 @@ fn run_case<S: Study>(plan: &Plan, case: Case, keep_traces: bool) -> Record<S> {
     }
 }
 
-fn learn_all<S: Study>(
-    plan: &Plan,
-    case: Case,
-    dataset: &Dataset,
-    keep_traces: bool,
-    log_s: f64,
-) -> Record<S> {
+fn learn_all<S: Study>(plan: &Plan, case: Case, dataset: &Dataset, keep_traces: bool, log_s: f64) -> Record<S> {
     let scenario = &plan.scenario;
     let yardstick = S::yardstick(scenario, dataset, plan.source.changed().as_ref());
     let settings = scenario.rows.iter().zip(&plan.learners).enumerate();

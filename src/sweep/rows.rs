@@ -32,7 +32,8 @@ pub fn write<S: Study>(results: &Results<S>, trials: &str, out: &Path) -> Result
 /// name too.
 fn models_name<S: Study>(row: &Row, trial: &Trial<S::Scores>, results: &Results<S>) -> String {
     let earlier = &results.scenario.rows[..trial.row];
-    let is_later = earlier.iter().any(|other| (&other.label, other.start, other.era) == (&row.label, row.start, row.era));
+    let is_later =
+        earlier.iter().any(|other| (&other.label, other.start, other.era) == (&row.label, row.start, row.era));
     let duration = if is_later { format!("-{}s", row.duration_s) } else { String::new() };
     let era = if row.era == Era::After { "-after" } else { "" };
     format!("{}-{}-{}{era}{duration}.toml", row.label, row.start.map_or("none", Start::name), trial.case.name())

@@ -43,4 +43,3 @@ pub fn scenario(name: &str, wire: Wire, faults: &mut Vec<Fault>) -> Option<Scena
 fn fault(faults: &mut Vec<Fault>, path: &str, message: impl Into<String>) {
     faults.push(Fault { path: path.to_owned(), message: message.into() });
 }
-

@@ -113,7 +113,10 @@ fn parts(wire: &Wire, faults: &mut Vec<Fault>) -> Vec<Part> {
             fault(faults, &path, format!("sets are told apart by their size; a second one of {size} landmarks is not"));
         }
     }
-    for (key, is_empty) in [("robots", wire.robots.as_ref().is_some_and(Vec::is_empty)), ("landmarks", wire.landmarks.as_ref().is_some_and(Vec::is_empty))] {
+    for (key, is_empty) in [
+        ("robots", wire.robots.as_ref().is_some_and(Vec::is_empty)),
+        ("landmarks", wire.landmarks.as_ref().is_some_and(Vec::is_empty)),
+    ] {
         if is_empty {
             fault(faults, key, format!("{key} must not be empty; leave it out for all"));
         }
@@ -275,4 +278,3 @@ pub fn effects_fit(effects: &Effects, robot: Robot, faults: &mut Vec<Fault>) {
         }
     }
 }
-

@@ -114,9 +114,8 @@ impl Yardstick {
                 entry(velocity).map_or([0.0; 3], |it| [it.vx_m_per_s, it.vy_m_per_s, it.vtheta_rad_per_s])
             };
             let rows: Vec<_> = self.velocities.iter().map(|velocity| (learned(velocity), three(velocity))).collect();
-            let of = |i: usize| {
-                rmse_and_r2(&rows.iter().map(|(model, truth)| [model[i], truth[i]]).collect::<Vec<_>>())
-            };
+            let of =
+                |i: usize| rmse_and_r2(&rows.iter().map(|(model, truth)| [model[i], truth[i]]).collect::<Vec<_>>());
             if let [Some(x), Some(y), Some(theta)] = [of(0), of(1), of(2)] {
                 scores.velocity_rmse = Some([x.0, y.0, theta.0]);
                 scores.velocity_r2 = x.1.zip(y.1).zip(theta.1).map(|((x, y), theta)| [x, y, theta]);

@@ -60,7 +60,8 @@ pub(super) fn sensor(log: &Log, track: &[TruePose]) -> Sensor {
 /// What is left of `y` after the best line through `(x, y)`.
 fn about_their_line(rows: &[[f64; 2]]) -> Vec<f64> {
     let [x, y] = [0, 1].map(|i| mean(rows.iter().map(|row| row[i])));
-    let slope = mean(rows.iter().map(|row| (row[0] - x) * (row[1] - y))) / mean(rows.iter().map(|row| square(row[0] - x)));
+    let slope =
+        mean(rows.iter().map(|row| (row[0] - x) * (row[1] - y))) / mean(rows.iter().map(|row| square(row[0] - x)));
     let slope = if slope.is_finite() { slope } else { 0.0 };
     rows.iter().map(|row| row[1] - y - slope * (row[0] - x)).collect()
 }

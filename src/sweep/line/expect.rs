@@ -9,7 +9,12 @@ use crate::sweep::{Results, Whose};
 
 /// Every claim of the scenario's `[[expect]]`, in order.
 #[must_use]
-pub fn verdicts(results: &Results<Chapter3>, summaries: &[Summary], comparisons: &[Comparison], lines: &[Line]) -> Vec<Verdict> {
+pub fn verdicts(
+    results: &Results<Chapter3>,
+    summaries: &[Summary],
+    comparisons: &[Comparison],
+    lines: &[Line],
+) -> Vec<Verdict> {
     let rows = &results.scenario.rows;
     let mut verdicts = Vec::new();
     for expect in &results.scenario.expect {

@@ -60,7 +60,8 @@ impl Study for Chapter3 {
     /// The floors: best polynomials of the published degrees; and what starting models are as they are.
     fn references(_: &Scenario, _: &Log, yardstick: &Yardstick) -> Vec<Reference<Scores>> {
         let floor = Models { action: yardstick.best_action(4), sensor: yardstick.best_sensor(3), ..Models::default() };
-        let unlearned = [Start::C, Start::Sgn, Start::One].into_iter().filter_map(|start| Some((start, start.models()?)));
+        let unlearned =
+            [Start::C, Start::Sgn, Start::One].into_iter().filter_map(|start| Some((start, start.models()?)));
         std::iter::once(("floor", None, floor))
             .chain(unlearned.map(|(start, models)| ("unlearned", Some(start), models)))
             .map(|(name, start, models)| Reference { name: name.to_owned(), start, scores: yardstick.score(&models) })
@@ -95,12 +96,7 @@ pub fn carry_out(plan: &Plan, options: &Options, watcher: &dyn Watcher) -> Resul
     written(super::run(plan, options, watcher)?, &plan.source.exhibits(), &options.program, &options.out)
 }
 
-fn written(
-    results: Results<Chapter3>,
-    exhibits: &Exhibits,
-    program: &str,
-    out: &Path,
-) -> Result<Outcome, CannotSweep> {
+fn written(results: Results<Chapter3>, exhibits: &Exhibits, program: &str, out: &Path) -> Result<Outcome, CannotSweep> {
     let outcome = Outcome::of(results);
     outcome.write(out, program)?;
     report::sweep::write(&outcome, exhibits, program, out)?;

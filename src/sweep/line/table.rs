@@ -8,9 +8,9 @@ use super::published::{CHAPTER_3, Published};
 use super::summary::{Comparison, Summary};
 use crate::scenario::{Row, Start};
 use crate::scorer::line::Scores;
-use crate::sweep::{Results, Whose};
 use crate::sweep::rows::optional;
 use crate::sweep::spread::Spread;
+use crate::sweep::{Results, Whose};
 
 /// Mean and standard deviation.
 pub type MeanSd = (f64, Option<f64>);
@@ -123,7 +123,8 @@ fn reference_names(results: &Results<Chapter3>) -> Vec<(String, Option<Start>)> 
 /// The mean over the cases; they differ only where each has a truth of its own.
 fn reference(results: &Results<Chapter3>, name: &str, start: Option<Start>) -> Line {
     let of = |value: fn(&Scores) -> Option<f64>| {
-        let values: Vec<f64> = results.counted()
+        let values: Vec<f64> = results
+            .counted()
             .flat_map(|record| &record.references)
             .filter(|reference| reference.name == name && reference.start == start)
             .filter_map(|reference| value(&reference.scores))

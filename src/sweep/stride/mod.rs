@@ -70,10 +70,8 @@ impl Study for Strides {
     }
 
     fn truth(yardstick: &ByEra<Yardstick>) -> ByEra<Truth> {
-        yardstick.map(|era| Truth {
-            speed_range_m_per_s: era.speed_range_m_per_s(),
-            height_range_px: era.height_range_px(),
-        })
+        yardstick
+            .map(|era| Truth { speed_range_m_per_s: era.speed_range_m_per_s(), height_range_px: era.height_range_px() })
     }
 
     fn score(yardstick: &ByEra<Yardstick>, models: &Models) -> ByEra<Scores> {
@@ -96,9 +94,8 @@ impl Study for Strides {
         let floor = yardstick.map(|era| era.score(&Models { sensor: era.best_sensor(3), ..Models::default() }));
         let unlearned = scenario.starting.models(Start::Attempted, log).map(|models| Self::score(yardstick, &models));
         let floor = Reference { name: "floor".to_owned(), start: None, scores: floor };
-        let unlearned = unlearned.map(|scores| {
-            Reference { name: "unlearned".to_owned(), start: Some(Start::Attempted), scores }
-        });
+        let unlearned =
+            unlearned.map(|scores| Reference { name: "unlearned".to_owned(), start: Some(Start::Attempted), scores });
         std::iter::once(floor).chain(unlearned.ok()).collect()
     }
 
