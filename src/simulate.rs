@@ -1,7 +1,6 @@
 //! From a scenario's simulation to worlds and logs.
 
 use asami_dataset::{Dataset, Provenance, Seed, TruePose};
-use asami_sim::changing::Changing;
 use asami_sim::drives::explore::Explore;
 use asami_sim::drives::pace::Pace;
 use asami_sim::robots::aibo::{AiboWorld, BuildError, Start};
@@ -44,13 +43,9 @@ impl Simulation {
     }
 
     fn world_from(&self, start: Start, seed: Seed) -> Result<Box<dyn World>, BuildError> {
-        let world: Box<dyn World> = match self.robot {
+        Ok(match self.robot {
             Robot::Aibo => Box::new(self.aibo_at(start, seed)?),
             Robot::Plain => Box::new(self.plain_at(start, seed)),
-        };
-        Ok(match &self.change {
-            Some(change) => Box::new(Changing::new(world, change.clone())),
-            None => world,
         })
     }
 

@@ -191,7 +191,7 @@ fn blank<S: Default>(row: usize, case: Case) -> Trial<S> {
 #[must_use]
 pub fn part(scenario: &Scenario, row: &Row, case: &Case, log: &Log) -> Log {
     let change_s = match (&scenario.origin, row.era) {
-        (Origin::Simulated(simulation), Era::After) => simulation.change.as_ref().map(|change| change.at_s),
+        (Origin::Simulated(simulation), Era::After) => simulation.change_s(),
         _ => None,
     };
     let begin_s = case.start_s() + change_s.unwrap_or(0.0);

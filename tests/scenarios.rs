@@ -144,7 +144,12 @@ fn rules_are_stated_with_the_value_and_the_remedy() {
         (AIBO, "[divergence]", "[camera]\nfocal_px = 1.0\n[divergence]", "focal_px must lie in 20..=5000 px, not 1"),
         (AIBO, "id = 0\n", "", "missing field `id`"),
         (AIBO, "[drive]", "[explore]\n[drive]", "explore is the policy in the plane; study \"line\" takes [drive]"),
-        (AIBO, "[drive]", "[change]\n[drive]", "change belongs to study \"stride\"; this one's is \"line\""),
+        (
+            AIBO,
+            "[drive]",
+            "[effects.command_scale]\ny_ratio = 0.75\nfrom_s = 300\n[drive]",
+            "from_s must be before the log ends, at duration_s 300, not 300",
+        ),
         (AIBO, "[drive]", "[starting]\n[drive]", "starting belongs to studies \"plane\" and \"stride\""),
         (AIBO, "start = \"sgn\"", "start = \"sgn\"\nera = \"after\"", "there is no era \"after\""),
         (AIBO, "learner = \"canonical\"", "learner = \"em_rts\"", "learner em_rts is not for study \"line\""),

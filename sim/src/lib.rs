@@ -1,7 +1,6 @@
 //! Worlds that make data sets: robots in scenes with sensors, and the effects that a simulator may
 //! leave out. The only user of Rapier.
 
-pub mod changing;
 pub mod drives;
 pub mod effect;
 pub mod effects;

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use asami_sim::changing::Change;
 use asami_sim::drives::explore::Exploring;
 use asami_sim::drives::pace::Pacing;
 use asami_sim::drives::suite::Suite;
@@ -52,8 +51,6 @@ pub struct Simulation {
     pub drive: Policy,
     /// What the nominal world leaves out.
     pub effects: Effects,
-    /// How the robot changes in the midst of a log, if it does.
-    pub change: Option<Change>,
     /// How the truth about the models is measured.
     pub survey: Surveying,
 }
@@ -70,11 +67,21 @@ pub enum Policy {
 }
 
 impl Simulation {
+    /// When the robot changes, where it does so in the midst of a log.
+    #[must_use]
+    pub fn change_s(&self) -> Option<f64> {
+        self.effects.command_scale.as_ref().map(|scale| scale.from_s).filter(|from_s| *from_s > 0.0)
+    }
+
     /// The world as it is after the change, from the beginning; `None` of a robot that does not change.
     #[must_use]
     pub fn changed(&self) -> Option<Self> {
-        let change = self.change.clone()?;
-        Some(Self { change: Some(Change { at_s: 0.0, ..change }), ..self.clone() })
+        let mut changed = self.clone();
+        self.change_s()?;
+        if let Some(scale) = &mut changed.effects.command_scale {
+            scale.from_s = 0.0;
+        }
+        Some(changed)
     }
 }
 

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use asami_dataset::parameters::Fault;
 use asami_learners::Learners;
-use asami_sim::changing::Change;
 use asami_sim::drives::explore::Exploring;
 use asami_sim::drives::pace::Pacing;
 use asami_sim::drives::suite::Suite;
@@ -74,8 +73,6 @@ pub struct Wire {
     pub explore: Option<Exploring>,
     /// Effects.
     pub effects: Option<Effects>,
-    /// How the robot changes.
-    pub change: Option<Change>,
     /// How the truth is measured.
     pub survey: Option<Surveying>,
     /// Learners' parameters.

@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 
 use asami_dataset::parameters::{Fault, Parameter, Parameters, out_of_range};
-use asami_sim::changing::Change;
 use asami_sim::effects::Effects;
 use asami_sim::scenes::field::Field;
 use asami_sim::survey::Surveying;
@@ -47,7 +46,6 @@ fn recording(wire: &Wire, source: &str, faults: &mut Vec<Fault>) -> Option<Recor
         ("start", wire.start.is_some()),
         ("drive", wire.drive.is_some()),
         ("explore", wire.explore.is_some()),
-        ("change", wire.change.is_some()),
         ("effects", wire.effects.is_some()),
         ("survey", wire.survey.is_some()),
     ];
@@ -175,7 +173,6 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
     let drive = policy(wire, faults);
     let suite = wire.suite.clone().unwrap_or_default();
     suite.check("suite", faults);
-    let change = change(wire, duration_s.unwrap_or(f64::INFINITY), faults);
     let plain = wire.plain.clone().unwrap_or_default();
     plain.check("plain", faults);
     let aibo = wire.aibo.clone().unwrap_or_default();
@@ -188,6 +185,11 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
     field_rules(&field, faults);
     let effects = wire.effects.clone().unwrap_or_default();
     effects_fit(&effects, robot, faults);
+    let begins_s = effects.command_scale.as_ref().map_or(0.0, |scale| scale.from_s);
+    if let Some(duration_s) = duration_s.filter(|duration_s| begins_s >= *duration_s) {
+        let message = format!("from_s must be before the log ends, at duration_s {duration_s}, not {begins_s}");
+        fault(faults, "effects.command_scale.from_s", message);
+    }
     let survey = wire.survey.clone().unwrap_or_default();
     survey_rules(&survey, faults);
     Some(Simulation {
@@ -203,7 +205,6 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
         start,
         drive,
         effects,
-        change,
         survey,
     })
 }
@@ -232,20 +233,6 @@ fn policy(wire: &Wire, faults: &mut Vec<Fault>) -> Policy {
         Study::Stride => Policy::Stride(pacing),
         Study::Line | Study::Plane => Policy::Pace(pacing),
     }
-}
-
-fn change(wire: &Wire, duration_s: f64, faults: &mut Vec<Fault>) -> Option<Change> {
-    let change = wire.change.clone()?;
-    change.check("change", faults);
-    if wire.study != Study::Stride {
-        let study = wire.study.name();
-        fault(faults, "change", format!("change belongs to study \"stride\"; this one's is \"{study}\""));
-    }
-    if change.at_s >= duration_s {
-        let message = format!("at_s must be before the log ends, at duration_s {duration_s}, not {}", change.at_s);
-        fault(faults, "change.at_s", message);
-    }
-    Some(change)
 }
 
 fn survey_rules(survey: &Surveying, faults: &mut Vec<Fault>) {

@@ -12,10 +12,10 @@ use super::{DURATION, fault};
 /// The longest part of a log that a row can be given.
 fn longest_s(origin: &Origin, era: Era) -> f64 {
     match origin {
-        Origin::Simulated(simulation) => match (&simulation.change, era) {
+        Origin::Simulated(simulation) => match (simulation.change_s(), era) {
             (None, _) => simulation.duration_s,
-            (Some(change), Era::Before) => change.at_s,
-            (Some(change), Era::After) => simulation.duration_s - change.at_s,
+            (Some(change_s), Era::Before) => change_s,
+            (Some(change_s), Era::After) => simulation.duration_s - change_s,
         },
         Origin::Recorded(recording) => {
             recording.windows.iter().map(|window| window.length_s).fold(f64::INFINITY, f64::min)
@@ -59,9 +59,13 @@ pub(super) fn rows(wire: &Wire, origin: Option<&Origin>, faults: &mut Vec<Fault>
 /// Only a robot that changes has an era after.
 fn era(path: &str, row: &wire::Row, origin: Option<&Origin>, faults: &mut Vec<Fault>) -> Era {
     let era = row.era.unwrap_or_default();
-    let changes = matches!(origin, Some(Origin::Simulated(simulation)) if simulation.change.is_some());
+    let changes = matches!(origin, Some(Origin::Simulated(simulation)) if simulation.change_s().is_some());
     if era == Era::After && !changes && origin.is_some() {
-        fault(faults, &format!("{path}.era"), "there is no era \"after\": the robot does not change ([change])");
+        fault(
+            faults,
+            &format!("{path}.era"),
+            "there is no era \"after\": the robot does not change ([effects.command_scale] from_s)",
+        );
     }
     era
 }
