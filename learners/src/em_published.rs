@@ -2,7 +2,7 @@
 
 use asami_dataset::{Log, Models, Rng};
 
-use crate::em::{Em, Expectation};
+use crate::em::Em;
 use crate::learner::{CannotLearn, Learned, Learner, learner};
 
 learner! {
@@ -26,13 +26,10 @@ impl EmPublished {
     #[must_use]
     pub fn em(&self) -> Em {
         Em {
-            expectation: Expectation::TwoFilters,
-            exact: false,
-            gate: true,
             coefficients: self.degree as usize + 1,
             patience: self.patience,
-            tolerance: 0.0,
             max_iterations: self.max_iterations,
+            ..Em::default()
         }
     }
 }

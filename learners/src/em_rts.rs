@@ -1,4 +1,4 @@
-//! EM in the plane with the smoother of Rauch, Tung and Striebel (1965) for the published pair of filters.
+//! EM as published, but with another smoother.
 
 use asami_dataset::{Log, Models, Rng};
 
@@ -6,11 +6,10 @@ use crate::em::{Em, Expectation};
 use crate::learner::{CannotLearn, Learned, Learner, learner};
 
 learner! {
-    /// Forward and backward extended Kalman filters combined, velocities as mean displacements, the sensor from one
-    /// sample of the pose a frame; noise of the motion as given.
+    /// One filter and a smoother, instead of two filters of which one starts at nothing.
     EmRts, "em_rts",
     "EM as published, but with an RTS smoother in the E-step.",
-    source "Stronger 2008, chapter 4 (eqs 4.8 to 4.28)", needs Both,
+    source "Rauch, Tung and Striebel 1965", needs Both,
     {
         /// Degree of f, a polynomial of the distance.
         degree: u32 = 3, "1", 1.0..=5.0;
@@ -27,12 +26,10 @@ impl EmRts {
     pub fn em(&self) -> Em {
         Em {
             expectation: Expectation::Rts,
-            exact: false,
-            gate: true,
             coefficients: self.degree as usize + 1,
             patience: self.patience,
-            tolerance: 0.0,
             max_iterations: self.max_iterations,
+            ..Em::default()
         }
     }
 }

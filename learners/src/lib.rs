@@ -9,8 +9,15 @@ pub mod canonical;
 pub mod degree_selection;
 pub mod em;
 pub mod em_1d_published;
+pub mod em_best;
+pub mod em_exact;
+pub mod em_iterated;
+pub mod em_noise;
 pub mod em_published;
+pub mod em_robust;
 pub mod em_rts;
+pub mod em_shared;
+pub mod em_squarem;
 pub mod learner;
 pub mod likelihood;
 pub mod line;
@@ -104,5 +111,12 @@ learners! {
     likelihood => Likelihood,
     em_published => EmPublished,
     em_rts => EmRts,
+    em_iterated => EmIterated,
+    em_exact => EmExact,
+    em_noise => EmNoise,
+    em_robust => EmRobust,
+    em_squarem => EmSquarem,
+    em_shared => EmShared,
+    em_best => EmBest,
     em_1d_published => Em1dPublished,
 }

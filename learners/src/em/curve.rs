@@ -53,4 +53,12 @@ impl SizeCurve {
         }
         (value, slope / self.scale_m)
     }
+
+    /// Second derivative of `f`.
+    #[must_use]
+    pub fn curvature_at(&self, distance_m: f64) -> f64 {
+        let u = self.scaled(distance_m);
+        let terms = self.c[..self.n].iter().enumerate().skip(2).rev();
+        terms.fold(0.0, |sum, (i, c)| sum * u + (i * (i - 1)) as f64 * c) / (self.scale_m * self.scale_m)
+    }
 }

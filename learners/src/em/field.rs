@@ -49,6 +49,12 @@ impl World<3, 2> for Field {
         Moved { to: Vector3::new(w[0] + x, w[1] + y, wrap_rad(w[2] + mu[2])), f, q: spread(s, c, q) }
     }
 
+    fn forth_from(&self, from: &Gaussian<3>, mu: &Vector3<f64>, q: &Vector3<f64>) -> Moved<3> {
+        // E R(theta) = exp(-var/2) R(E theta), and E R'(theta) likewise.
+        let shrink = exp(-0.5 * from.covariance[(2, 2)]);
+        self.forth(&from.mean, &Vector3::new(shrink * mu[0], shrink * mu[1], mu[2]), q)
+    }
+
     fn back(&self, w: &Vector3<f64>, mu: &Vector3<f64>, q: &Vector3<f64>) -> Moved<3> {
         // w = w' - R(theta' - mu_theta) mu: the noise of the turn moves the origin too, F Q F^T.
         let theta = wrap_rad(w[2] - mu[2]);
@@ -68,6 +74,11 @@ impl World<3, 2> for Field {
         let by_next = Matrix3::new(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0);
         let by_w = Matrix3::new(-c, -s, y, s, -c, -x, 0.0, 0.0, -1.0);
         (d, by_w, by_next)
+    }
+
+    fn axes(&self, w: &Vector3<f64>) -> Matrix3<f64> {
+        let (s, c) = sin_cos(w[2]);
+        Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
     }
 
     fn displacement_moments(&self, pair: &Pair<3>) -> (Vector3<f64>, Vector3<f64>) {
@@ -112,6 +123,14 @@ impl World<3, 2> for Field {
         let [a, b, t] = by(slope * x / distance, slope * y / distance);
         let [d, g, h] = by(-y / square, x / square);
         (e, Matrix2x3::new(a, b, t, d, g, h))
+    }
+
+    fn innovation_from(&self, state: &Gaussian<3>, seen: &Seen, f: &SizeCurve) -> (Vector2<f64>, Matrix2x3<f64>) {
+        let (_, h) = self.innovation(&state.mean, seen, f);
+        let look = self.look_moments(state, seen);
+        let (size, _) = f.at(look.distance_m);
+        let bent = 0.5 * f.curvature_at(look.distance_m) * look.distance_var;
+        (Vector2::new(seen.size - size - bent, -look.bearing_error_rad), h)
     }
 
     fn look(&self, w: &Vector3<f64>, seen: &Seen) -> Look {

@@ -5,7 +5,7 @@ use asami_math::kalman::Gaussian;
 use nalgebra::{SMatrix, SVector};
 
 use super::parameters::Parameters;
-use super::world::{Moved, World};
+use super::world::{Moved, Problem, World};
 use crate::plane::Plane;
 
 /// What the forward sweep leaves behind; its room is used again.
@@ -19,6 +19,28 @@ pub struct Forward<const N: usize> {
     pub predicted: Vec<Gaussian<N>>,
     /// Log-likelihood (eq. 4.13), nats.
     pub log_likelihood: f64,
+}
+
+/// What motion and observations are linearised about.
+#[derive(Clone, Copy, Debug)]
+pub enum About<'a, const N: usize> {
+    /// The filter's own means, as in an extended Kalman filter.
+    Own,
+    /// The means of given states.
+    Means(&'a [Gaussian<N>]),
+    /// Given states as they are: linear functions that fit best on average over them.
+    States(&'a [Gaussian<N>]),
+}
+
+impl<const N: usize> About<'_, N> {
+    /// The mean to linearise about in frame `t`.
+    #[must_use]
+    pub fn mean(&self, t: usize, own: &SVector<f64, N>) -> SVector<f64, N> {
+        match self {
+            About::Own => *own,
+            About::Means(states) | About::States(states) => states[t].mean,
+        }
+    }
 }
 
 /// How far a sighting is trusted: its noise is divided by this; 0 leaves it out.
@@ -42,18 +64,17 @@ impl<const N: usize> Forward<N> {
         }
     }
 
-    /// Runs over the first `frames` of the log. `about` is the trajectory to linearise about (none: the
-    /// filter's own means, as an EKF does); with `gate`, sightings beyond it get weight 0. `None` if the filter
+    /// Runs over the first `frames` of the log. With `gate`, sightings beyond it get weight 0. `None` if the filter
     /// breaks down.
     pub fn run<const M: usize, W: World<N, M>>(
         &mut self,
-        world: &W,
-        plane: &Plane,
+        problem: Problem<'_, W>,
         lambda: &Parameters<N>,
-        about: Option<&[SVector<f64, N>]>,
+        about: About<'_, N>,
         weights: &mut [Weight],
         gate: bool,
     ) -> Option<()> {
+        let Problem { world, plane } = problem;
         let mut state = lambda.prior;
         let mut first = 0;
         self.log_likelihood = 0.0;
@@ -63,8 +84,11 @@ impl<const N: usize> Forward<N> {
             let own = &mut weights[first..first + seen.len()];
             first += seen.len();
             for (seen, weight) in seen.iter().zip(own) {
-                let at = about.map_or(state.mean, |about| about[t]);
-                let (e, h) = world.innovation(&at, seen, &lambda.f);
+                let at = about.mean(t, &state.mean);
+                let (e, h) = match about {
+                    About::States(states) => world.innovation_from(&states[t], seen, &lambda.f),
+                    _ => world.innovation(&at, seen, &lambda.f),
+                };
                 if gate
                     && M > 1
                     && (e[M - 1] - (h * world.difference(&state.mean, &at))[M - 1]).abs()
@@ -74,13 +98,18 @@ impl<const N: usize> Forward<N> {
                 }
                 if *weight > 0.0 {
                     let e = e - h * world.difference(&state.mean, &at);
-                    self.log_likelihood += update(&mut state, &e, &h, &noise(lambda, *weight))?;
+                    let log_density = update(&mut state, &e, &h, &noise(lambda, *weight))?;
+                    self.log_likelihood += lambda.mixed(log_density);
                 }
             }
             self.alpha[t] = state;
             if t + 1 < self.alpha.len() {
-                let at = about.map_or(state.mean, |about| about[t]);
-                let moved = forth(world, plane, lambda, t, &at);
+                let at = about.mean(t, &state.mean);
+                let (mu, q) = step(plane, lambda, t);
+                let moved = match about {
+                    About::States(states) => world.forth_from(&states[t], &mu, &q),
+                    _ => world.forth(&at, &mu, &q),
+                };
                 let off = world.difference(&state.mean, &at);
                 state.mean = moved.to + moved.f * off;
                 state.covariance = moved.f * state.covariance * moved.f.transpose() + moved.q;
@@ -92,18 +121,6 @@ impl<const N: usize> Forward<N> {
         }
         self.log_likelihood.is_finite().then_some(())
     }
-}
-
-/// The motion from frame `t` to the next, from `at`.
-pub fn forth<const N: usize, const M: usize, W: World<N, M>>(
-    world: &W,
-    plane: &Plane,
-    lambda: &Parameters<N>,
-    t: usize,
-    at: &SVector<f64, N>,
-) -> Moved<N> {
-    let (mu, q) = step(plane, lambda, t);
-    world.forth(at, &mu, &q)
 }
 
 /// `mu = A(c) dt` and the noise's variances of the step from frame `t` to the next.

@@ -5,30 +5,41 @@
 //! |---|---|---|
 //! | E-step | two filters, as published; RTS smoother; iterated smoother | [`two_filter`], [`smoother`] |
 //! | M-step | one sample a frame, as published; exact moments | [`sums`] |
+//! | noise of the motion | given; learned for each action | [`sums`] |
+//! | outliers | gate, as published; mixture of true and false sightings | [`filter`], [`outliers`] |
+//! | acceleration | none; squared extrapolation | [`squarem`] |
+//! | structure | a table; velocities that borrow strength from each other | [`structure`] |
+//! | errors | none; from the innovations' information | [`information`] |
 //! | kind of world | the plane; a line | [`field`], [`track`] |
 
 pub mod curve;
 pub mod field;
 pub mod filter;
+pub mod information;
+pub mod outliers;
 pub mod parameters;
 pub mod smoother;
+pub mod squarem;
 pub mod start;
+pub mod structure;
 pub mod sums;
 pub mod track;
 pub mod two_filter;
 pub mod world;
 
 use asami_dataset::{Log, Models, Rng};
-use nalgebra::SVector;
+use asami_math::kalman::Gaussian;
 
 use crate::learner::{CannotLearn, Learned, Step, Verdict};
 use crate::plane::Plane;
 use field::Field;
-use filter::{Forward, Weight};
+use filter::{About, Forward, Weight};
+use outliers::{UNJUDGED, judge};
 use parameters::{Parameters, given_sensor};
+use squarem::Squarem;
 use sums::Sums;
 use track::Track;
-use world::World;
+use world::{Problem, World};
 
 /// How the distribution of the states is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +50,53 @@ pub enum Expectation {
     Rts,
     /// The same, linearised about the trajectory smoothed last.
     Iterated,
+    /// The same, linearised on average over the states smoothed last.
+    Averaged,
+}
+
+/// What becomes of the noise of the motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MotionNoise {
+    /// It stays as given.
+    Given,
+    /// It is learned along each of the robot's axes, for each action; each action's variances are drawn to those
+    /// of all actions as if so many steps of these had been executed besides. Needs exact moments.
+    Learned {
+        /// How many.
+        pooled_steps: f64,
+    },
+}
+
+/// What becomes of false sightings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outliers {
+    /// Every sighting is taken as it is.
+    None,
+    /// The gate of section 4.4.1, in the first iteration.
+    Gate,
+    /// Sightings are a mixture of true ones and false ones, the latter of any size and bearing; needs exact
+    /// moments.
+    Mixture,
+}
+
+/// How iterations are made fewer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acceleration {
+    /// Not.
+    None,
+    /// Squared extrapolation (Varadhan and Roland 2008).
+    Squarem,
+    /// The same, and now and then a Newton step of velocities and `f` with the information of the innovations.
+    Newton,
+}
+
+/// What the velocities of different actions have to do with each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Structure {
+    /// Nothing.
+    Table,
+    /// They lie about a smooth function of the attempted velocities.
+    Smooth,
 }
 
 /// The answers to the questions.
@@ -48,16 +106,43 @@ pub struct Em {
     pub expectation: Expectation,
     /// Exact moments in the M-step, rather than a sample.
     pub exact: bool,
-    /// The outlier gate in the first iteration.
-    pub gate: bool,
+    /// What becomes of the noise of the motion.
+    pub motion: MotionNoise,
+    /// What becomes of false sightings.
+    pub outliers: Outliers,
+    /// How iterations are made fewer.
+    pub acceleration: Acceleration,
+    /// What the velocities of different actions have to do with each other.
+    pub structure: Structure,
+    /// Whether standard errors are computed at the end.
+    pub errors: bool,
     /// Coefficients of `f`.
     pub coefficients: usize,
     /// Stops after so many iterations without a new best likelihood.
     pub patience: u32,
-    /// Stops when the likelihood grows by less, in nats.
+    /// Stops when the likelihood grows by less an iteration, in nats.
     pub tolerance: f64,
     /// Stops after so many iterations at the latest.
     pub max_iterations: u32,
+}
+
+impl Default for Em {
+    /// As published.
+    fn default() -> Self {
+        Self {
+            expectation: Expectation::TwoFilters,
+            exact: false,
+            motion: MotionNoise::Given,
+            outliers: Outliers::Gate,
+            acceleration: Acceleration::None,
+            structure: Structure::Table,
+            errors: false,
+            coefficients: 4,
+            patience: 50,
+            tolerance: 0.0,
+            max_iterations: 5000,
+        }
+    }
 }
 
 impl Em {
@@ -89,30 +174,39 @@ impl Em {
     }
 }
 
-/// One run of EM on one log: the room that the iterations use again.
-pub(crate) struct Run<'a, const N: usize, const M: usize, W> {
-    em: &'a Em,
-    world: &'a W,
-    plane: &'a Plane,
-    forward: Forward<N>,
-    weights: Vec<Weight>,
-    trajectory: Vec<SVector<f64, N>>,
-    smoothed: bool,
-}
-
 /// The filter's breaking down, as a verdict.
 const BROKE_DOWN: Verdict = Verdict::Diverged { rule: "the filter broke down" };
+
+/// One run of EM on one log: the room that the iterations use again.
+struct Run<'a, const N: usize, const M: usize, W> {
+    em: &'a Em,
+    problem: Problem<'a, W>,
+    forward: Forward<N>,
+    /// How far each sighting is trusted.
+    weights: Vec<Weight>,
+    /// The states given all data, of the last smoother.
+    trajectory: Vec<Gaussian<N>>,
+    has_trajectory: bool,
+    /// Room for the next.
+    smoothed: Vec<Gaussian<N>>,
+    /// Derivative of the log-likelihood by velocities and `f`, of the last iteration.
+    score: Vec<f64>,
+    /// Weights, trajectory and EM map of the best parameters so far.
+    kept: (Vec<Weight>, Vec<Gaussian<N>>, Option<Parameters<N>>),
+}
 
 impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
     fn new(em: &'a Em, world: &'a W, plane: &'a Plane) -> Self {
         Self {
             em,
-            world,
-            plane,
+            problem: Problem { world, plane },
             forward: Forward::new(plane.frames.len()),
             weights: vec![1.0; plane.sightings.len()],
-            trajectory: vec![SVector::zeros(); plane.frames.len()],
-            smoothed: false,
+            trajectory: vec![start::nowhere(); plane.frames.len()],
+            has_trajectory: false,
+            smoothed: vec![start::nowhere(); plane.frames.len()],
+            score: Vec::new(),
+            kept: (Vec::new(), Vec::new(), None),
         }
     }
 
@@ -120,68 +214,227 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
     fn learn(&mut self, mut lambda: Parameters<N>, rng: &mut Rng) -> Learned {
         let mut learned = Learned::default();
         let mut best = (f64::NEG_INFINITY, lambda.clone());
-        let (mut since_best, mut last) = (0, f64::NEG_INFINITY);
+        let mut pace = Pace::default();
+        let (mut since_best, mut settled, mut last) = (0, 0, f64::NEG_INFINITY);
         for i in 0..self.em.max_iterations {
-            let Some((log_likelihood, next)) = self.iterate(&lambda, i, rng) else {
+            if pace.jumped {
+                self.settle(&lambda);
+            }
+            let found = self.iterate(&lambda, i, rng);
+            learned.iterations = Some(i + 1);
+            since_best += 1;
+            if let Some((log_likelihood, next)) = &found {
+                let models = lambda.models(self.problem.plane, None);
+                learned.history.push(Step { t_s: None, log_likelihood: Some(*log_likelihood), models });
+                // The likelihood of a part of the sightings is no rival to that of all.
+                let partial = i == 0 && self.em.outliers == Outliers::Gate || self.unjudged(i);
+                if *log_likelihood > best.0 && !partial {
+                    best = (*log_likelihood, lambda.clone());
+                    since_best = 0;
+                    self.keep(next);
+                }
+                settled = if (log_likelihood - last).abs() < self.em.tolerance { settled + 1 } else { 0 };
+                last = *log_likelihood;
+            }
+            let next = match self.em.acceleration {
+                Acceleration::None => found.map(|(_, next)| next),
+                // The first steps are long, and all over the place.
+                _ if i < UNACCELERATED => found.map(|(_, next)| next),
+                _ => self.accelerated(&lambda, found, &mut pace),
+            };
+            let Some(next) = next else {
                 learned.verdict = BROKE_DOWN;
                 break;
             };
-            let models = lambda.models(self.plane, None);
-            learned.history.push(Step { t_s: None, log_likelihood: Some(log_likelihood), models });
-            learned.iterations = Some(i + 1);
-            since_best += 1;
-            // The likelihood of a part of the sightings is no rival to that of all.
-            let gated = i == 0 && self.em.gate;
-            if log_likelihood > best.0 && !gated {
-                best = (log_likelihood, lambda);
-                since_best = 0;
-            }
-            let settled = (log_likelihood - last).abs() < self.em.tolerance && !gated;
-            if since_best >= self.em.patience || settled {
+            let steady = self.em.acceleration == Acceleration::None || pace.steps > SETTLED;
+            if since_best >= self.em.patience || settled >= SETTLED && steady && !self.unjudged(i) {
                 break;
             }
-            (lambda, last) = (next, log_likelihood);
+            lambda = next;
         }
-        learned.models = best.1.models(self.plane, None);
+        learned.models = match self.em.errors {
+            true => self.with_errors(best.1, rng),
+            false => best.1.models(self.problem.plane, None),
+        };
         learned
     }
 
-    /// One iteration: the log-likelihood of `lambda`, and the next.
+    /// Remembers where the best parameters led, with the trajectory: a bad step must not leave its own behind, for
+    /// the next sweep would be linearised about it.
+    fn keep(&mut self, next: &Parameters<N>) {
+        if self.em.acceleration != Acceleration::None {
+            self.kept.0.clone_from(&self.weights);
+            self.kept.1.clone_from(&self.trajectory);
+            self.kept.2 = Some(next.clone());
+        }
+    }
+
+    /// Brings the trajectory to where `lambda` has it, after a step too long for the one sweep of an E-step: the
+    /// likelihood about another's trajectory may be far too great or too small.
+    fn settle(&mut self, lambda: &Parameters<N>) {
+        for _ in 0..SWEEPS {
+            let _ = self.sweep(lambda, false, None);
+        }
+    }
+
+    /// Where to make the next E-step, after what the one at `lambda` found.
+    fn accelerated(
+        &mut self,
+        lambda: &Parameters<N>,
+        found: Option<(f64, Parameters<N>)>,
+        pace: &mut Pace<N>,
+    ) -> Option<Parameters<N>> {
+        let (log_likelihood, next) = match found {
+            Some((log_likelihood, next)) if log_likelihood >= pace.reference - FALLEN => (log_likelihood, next),
+            // Back to the best, and slowly on from there.
+            _ => {
+                self.weights.clone_from(&self.kept.0);
+                self.trajectory.clone_from(&self.kept.1);
+                // A step of EM proper may be worse too: it is taken nevertheless.
+                *pace = Pace { squarem: pace.squarem.slower(), ..Pace::default() };
+                return self.kept.2.clone();
+            }
+        };
+        pace.steps += 1;
+        pace.reference = pace.reference.max(log_likelihood);
+        if self.em.acceleration == Acceleration::Newton && pace.steps.is_multiple_of(NEWTON_EVERY) {
+            pace.squarem = Squarem::default();
+            pace.jumped = true;
+            return self.newton(lambda, &next).or(Some(next));
+        }
+        let next = pace.squarem.advance(lambda, next);
+        pace.jumped = pace.squarem.far;
+        next
+    }
+
+    /// Whether the mixture of true and false sightings has not come into play yet.
+    fn unjudged(&self, i: u32) -> bool {
+        self.em.outliers == Outliers::Mixture && i < UNJUDGED
+    }
+
+    /// One iteration: the log-likelihood of `lambda`, and the parameters that maximise the expected
+    /// log-likelihood (eq. 4.15), term by term.
     fn iterate(&mut self, lambda: &Parameters<N>, i: u32, rng: &mut Rng) -> Option<(f64, Parameters<N>)> {
-        let (log_likelihood, sums) = self.expect(lambda, self.em.gate && i == 0, rng)?;
-        let next = maximised(self.plane, lambda, &sums);
+        let (log_likelihood, sums) = self.expect(lambda, i, rng)?;
+        let (plane, mut next) = (self.problem.plane, lambda.clone());
+        // pi' = gamma_0 maximises the first term.
+        if let Some(first) = sums.first {
+            next.prior = first;
+        }
+        sums.velocities(plane, &mut next);
+        if let MotionNoise::Learned { pooled_steps } = self.em.motion {
+            sums.motion(plane, pooled_steps, &mut next);
+        }
+        sums.sensor(&mut next);
+        self.score = sums.score(plane, lambda, &next);
+        if let (Some(looks), false) = (&sums.looks, self.unjudged(i)) {
+            judge(plane, looks, &mut self.weights, &mut next);
+        }
         next.is_finite().then_some((log_likelihood, next))
     }
 
+    /// The EM map's `next`, but velocities and `f` where the log-likelihood's quadratic approximation at `lambda` has its
+    /// maximum.
+    fn newton(&self, lambda: &Parameters<N>, next: &Parameters<N>) -> Option<Parameters<N>> {
+        let trajectory = &self.trajectory;
+        let information = information::information(self.problem, lambda, trajectory, &self.weights)?;
+        let step = information::solve(&information, &self.score)?;
+        // Far from the maximum the approximation holds for a part of the way only.
+        let gain = 0.5 * asami_math::decomposition::dot(&step, &self.score);
+        let part = if gain > LONGEST_GAIN { (LONGEST_GAIN / gain).sqrt() } else { 1.0 };
+        let mut far = next.clone();
+        far.set_means(&lambda.means().iter().zip(step).map(|(mean, step)| mean + part * step).collect::<Vec<f64>>());
+        Some(far)
+    }
+
     /// The E-step: the log-likelihood of `lambda`, and the sums that the M-step needs.
-    fn expect<'r>(&mut self, lambda: &Parameters<N>, gate: bool, rng: &'r mut Rng) -> Option<(f64, Sums<'r, N>)> {
-        let (world, plane) = (self.world, self.plane);
-        self.weights.fill(1.0);
-        let mut sums = Sums::new(self.em.exact, plane, lambda.f, false, rng);
-        let about = (self.em.expectation == Expectation::Iterated && self.smoothed).then_some(&self.trajectory[..]);
-        self.forward.run(world, plane, lambda, about, &mut self.weights, gate)?;
-        match self.em.expectation {
-            Expectation::TwoFilters => {
-                two_filter::backward(world, plane, lambda, &self.forward, &self.weights, &mut sums)?;
+    fn expect<'r>(&mut self, lambda: &Parameters<N>, i: u32, rng: &'r mut Rng) -> Option<(f64, Sums<'r, N>)> {
+        let plane = self.problem.plane;
+        let mixture = self.em.outliers == Outliers::Mixture;
+        if !mixture {
+            self.weights.fill(1.0);
+        }
+        let gate = i == 0 && self.em.outliers == Outliers::Gate;
+        let mut sums = Sums::new(self.em.exact, plane, lambda.f, mixture, rng);
+        self.sweep(lambda, gate, Some(&mut sums))?;
+        Some((self.forward.log_likelihood, sums))
+    }
+
+    /// Forward and back over the log once.
+    fn sweep(&mut self, lambda: &Parameters<N>, gate: bool, sums: Option<&mut Sums<'_, N>>) -> Option<()> {
+        let (problem, trajectory) = (self.problem, &self.trajectory);
+        let about = match self.em.expectation {
+            Expectation::Iterated if self.has_trajectory => About::Means(trajectory),
+            Expectation::Averaged if self.has_trajectory => About::States(trajectory),
+            _ => About::Own,
+        };
+        self.forward.run(problem, lambda, about, &mut self.weights, gate)?;
+        match (self.em.expectation, sums) {
+            (Expectation::TwoFilters, None) => {}
+            (Expectation::TwoFilters, Some(sums)) => {
+                two_filter::backward(problem, lambda, &self.forward, &self.weights, sums)?;
             }
-            Expectation::Rts | Expectation::Iterated => {
-                let trajectory = &mut self.trajectory;
-                smoother::backward(world, plane, &self.forward, &self.weights, trajectory, Some(&mut sums))?;
-                self.smoothed = true;
+            (Expectation::Rts | Expectation::Iterated | Expectation::Averaged, sums) => {
+                let smoothed = &mut self.smoothed;
+                smoother::backward(problem, lambda, about, &self.forward, &self.weights, smoothed, sums)?;
+                std::mem::swap(&mut self.smoothed, &mut self.trajectory);
+                self.has_trajectory = true;
             }
         }
-        Some((self.forward.log_likelihood, sums))
+        Some(())
+    }
+
+    /// The models of `lambda` with standard errors, after sharing between actions where the method does.
+    fn with_errors(&mut self, mut lambda: Parameters<N>, rng: &mut Rng) -> Models {
+        let plane = self.problem.plane;
+        // A smoother without a trajectory to start from, then information about the trajectory it finds.
+        let smoothed = self.expect(&lambda, u32::MAX, rng).is_some();
+        let information = smoothed
+            .then(|| information::information(self.problem, &lambda, &self.trajectory, &self.weights))
+            .flatten();
+        let Some(information) = information else { return lambda.models(plane, None) };
+        if self.em.structure == Structure::Smooth
+            && let Some(shared) = structure::shared(plane, N, &lambda.means(), &information)
+        {
+            lambda.set_means(&shared.parameters);
+            return lambda.models(plane, Some(&information::errors(plane, &shared.covariance, true)));
+        }
+        let covariance = information::covariance(&information);
+        lambda.models(plane, covariance.map(|c| information::errors(plane, &c, false)).as_ref())
     }
 }
 
-/// The M-step: the parameters that maximise the expected log-likelihood (eq. 4.15), term by term.
-fn maximised<const N: usize>(plane: &Plane, lambda: &Parameters<N>, sums: &Sums<'_, N>) -> Parameters<N> {
-    let mut next = lambda.clone();
-    // pi' = gamma_0 maximises the first term.
-    if let Some(first) = sums.first {
-        next.prior = first;
-    }
-    sums.velocities(plane, &mut next);
-    sums.sensor(&mut next);
-    next
+/// Iterations before extrapolation.
+const UNACCELERATED: u32 = 10;
+
+/// Iterations from one Newton step to the next.
+const NEWTON_EVERY: u32 = 12;
+
+/// A Newton step that promises more, in nats, is shortened.
+const LONGEST_GAIN: f64 = 100.0;
+
+/// A likelihood that is so much worse than the best, in nats, is given up.
+const FALLEN: f64 = 5.0;
+
+/// Sweeps after a long step.
+const SWEEPS: u32 = 2;
+
+/// How acceleration is getting on.
+struct Pace<const N: usize> {
+    squarem: Squarem<N>,
+    /// The best log-likelihood since the last time that it went wrong.
+    reference: f64,
+    /// Steps since then.
+    steps: u32,
+    /// Whether the next E-step is made after a long step.
+    jumped: bool,
 }
+
+impl<const N: usize> Default for Pace<N> {
+    fn default() -> Self {
+        Self { squarem: Squarem::default(), reference: f64::NEG_INFINITY, steps: 0, jumped: false }
+    }
+}
+
+/// Iterations in a row that must gain less than the tolerance.
+const SETTLED: u32 = 3;

@@ -2,6 +2,7 @@
 
 use asami_dataset::models::{Curve, Entry};
 use asami_dataset::{ActionModel, Models, Noise, SensorModel};
+use asami_math::elementary::{exp, ln, ln_1p};
 use asami_math::kalman::Gaussian;
 use asami_math::polynomial::Polynomial;
 use nalgebra::SVector;
@@ -27,6 +28,8 @@ pub struct Parameters<const N: usize> {
     pub bearing_var: f64,
     /// Share of sightings that are false, where the method knows of such.
     pub false_share: f64,
+    /// Log-density of a false sighting.
+    pub false_log_density: f64,
     /// `pi(w_0)`.
     pub prior: Gaussian<N>,
 }
@@ -88,6 +91,7 @@ impl<const N: usize> Parameters<N> {
             size_var: sigma1 * sigma1,
             bearing_var: sigma2 * sigma2,
             false_share: 0.0,
+            false_log_density: 0.0,
             prior,
         })
     }
@@ -133,6 +137,33 @@ impl<const N: usize> Parameters<N> {
         };
         let entries = (0..plane.actions.len()).filter_map(entry).collect();
         Models { action: Some(ActionModel::Table(entries)), sensor: Some(sensor), noise }
+    }
+
+    /// Velocities and then coefficients of `f`: what standard errors are given of.
+    #[must_use]
+    pub fn means(&self) -> Vec<f64> {
+        let velocities = self.velocity.iter().flat_map(|v| v.iter().copied());
+        velocities.chain(self.f.c[..self.f.n].iter().copied()).collect()
+    }
+
+    /// Sets what [`means`](Self::means) gives.
+    pub fn set_means(&mut self, means: &[f64]) {
+        let n = self.f.n;
+        let places = self.velocity.iter_mut().flat_map(|v| v.iter_mut()).chain(self.f.c[..n].iter_mut());
+        for (place, mean) in places.zip(means) {
+            *place = *mean;
+        }
+    }
+
+    /// Log-density of a sighting that is true with some log-density, and false with the rest of the probability.
+    #[must_use]
+    pub fn mixed(&self, log_density: f64) -> f64 {
+        if self.false_share <= 0.0 {
+            return log_density;
+        }
+        let (a, b) = (ln_1p(-self.false_share) + log_density, ln(self.false_share) + self.false_log_density);
+        let (greater, less) = if a > b { (a, b) } else { (b, a) };
+        greater + ln_1p(exp(less - greater))
     }
 
     /// Whether every number is one.

@@ -3,21 +3,24 @@
 use asami_math::kalman::Gaussian;
 use nalgebra::SVector;
 
-use super::filter::{Forward, Weight};
+use super::filter::{About, Forward, Weight, step};
+use super::parameters::Parameters;
 use super::sums::Sums;
-use super::world::{Pair, World};
-use crate::plane::Plane;
+use super::world::{Moved, Pair, Problem, World};
 
-/// Gives every `gamma_t` and pair to `sums`, last frame first, and leaves the smoothed means in `trajectory`.
+/// Gives every `gamma_t` and pair to `sums`, last frame first, and leaves the states in `smoothed`; `about`
+/// is what the forward sweep was linearised about.
 /// `None` if the smoother breaks down.
 pub fn backward<const N: usize, const M: usize, W: World<N, M>>(
-    world: &W,
-    plane: &Plane,
+    problem: Problem<'_, W>,
+    lambda: &Parameters<N>,
+    about: About<'_, N>,
     forward: &Forward<N>,
     weights: &[Weight],
-    trajectory: &mut [SVector<f64, N>],
+    smoothed: &mut [Gaussian<N>],
     mut sums: Option<&mut Sums<'_, N>>,
 ) -> Option<()> {
+    let Problem { world, plane } = problem;
     let mut end = weights.len();
     let mut next: Option<Gaussian<N>> = None;
     for t in (0..forward.alpha.len()).rev() {
@@ -35,7 +38,15 @@ pub fn backward<const N: usize, const M: usize, W: World<N, M>>(
                 };
                 if let Some(sums) = &mut sums {
                     let cross = next.covariance * gain.transpose();
-                    sums.pair(world, plane, t, &Pair { now: gamma, next: *next, cross });
+                    let pair = Pair { now: gamma, next: *next, cross };
+                    let (d, d2) = match about {
+                        About::States(_) => world.displacement_moments(&pair),
+                        About::Own | About::Means(_) => {
+                            let (mu, _) = step(plane, lambda, t);
+                            displaced(world, &pair, &forward.moved[t], &about.mean(t, &alpha.mean), &mu)
+                        }
+                    };
+                    sums.displacement(plane, t, &d, &d2);
                 }
                 gamma
             }
@@ -43,7 +54,7 @@ pub fn backward<const N: usize, const M: usize, W: World<N, M>>(
         if !gamma.mean.iter().all(|x| x.is_finite()) {
             return None;
         }
-        trajectory[t] = gamma.mean;
+        smoothed[t] = gamma;
         let seen = plane.seen(t);
         let own = end - seen.len()..end;
         end = own.start;
@@ -55,4 +66,23 @@ pub fn backward<const N: usize, const M: usize, W: World<N, M>>(
         next = Some(gamma);
     }
     Some(())
+}
+
+/// `E D` and `E D^2` as the linearised motion has them: with `e = w' - g(at) - F (w - at)` what it leaves over,
+/// `D = mu + R(-theta) e`. (D proper of the same states has a term of second order in the heading's uncertainty, which
+/// the linearised motion lacks: steps would grow a little with every iteration.)
+fn displaced<const N: usize, const M: usize, W: World<N, M>>(
+    world: &W,
+    pair: &Pair<N>,
+    moved: &Moved<N>,
+    at: &SVector<f64, N>,
+    mu: &SVector<f64, N>,
+) -> (SVector<f64, N>, SVector<f64, N>) {
+    let (now, next) = (&pair.now, &pair.next);
+    let e = world.difference(&next.mean, &moved.to) - moved.f * world.difference(&now.mean, at);
+    let f_cross = moved.f * pair.cross.transpose();
+    let var = next.covariance + moved.f * now.covariance * moved.f.transpose() - f_cross - f_cross.transpose();
+    let to_robot = world.axes(at).transpose();
+    let mean = mu + to_robot * e;
+    (mean, mean.component_mul(&mean) + (to_robot * var * to_robot.transpose()).diagonal())
 }

@@ -10,8 +10,9 @@ use nalgebra::{SMatrix, SVector, Vector1, Vector3};
 
 use super::curve::SizeCurve;
 use super::field::Field;
-use super::filter::Forward;
+use super::filter::{About, Forward};
 use super::parameters::Parameters;
+use super::world::Problem;
 use crate::plane::Plane;
 
 /// Sightings that the grid of poses is judged by.
@@ -83,7 +84,7 @@ pub fn prior_in_plane(world: &Field, plane: &Plane, start: &Parameters<3>) -> Ga
         let mean = Vector3::new(x, y, turn * (i / (CELLS * CELLS)) as f64 - std::f64::consts::PI);
         let prior = Gaussian { mean, covariance: SMatrix::from_diagonal(&variances) };
         let lambda = Parameters { prior, ..start.clone() };
-        let ran = forward.run(world, plane, &lambda, None, &mut weights, false);
+        let ran = forward.run(Problem { world, plane }, &lambda, About::Own, &mut weights, false);
         if ran.is_some() && forward.log_likelihood > best.0 {
             best = (forward.log_likelihood, mean);
         }

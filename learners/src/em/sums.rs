@@ -12,7 +12,7 @@ use rand::RngExt;
 use super::curve::{MOST, SizeCurve};
 use super::filter::Weight;
 use super::parameters::Parameters;
-use super::world::{LookMoments, Pair, World};
+use super::world::{LookMoments, World};
 use crate::plane::{Plane, Seen};
 
 /// Sums for one action.
@@ -73,8 +73,8 @@ impl<'a, const N: usize> Sums<'a, N> {
         }
     }
 
-    /// Counts the step from frame `t` to the next by its mean displacement alone (eq. 4.18).
-    pub fn displacement(&mut self, plane: &Plane, t: usize, d: &SVector<f64, N>) {
+    /// Counts the step from frame `t` to the next by `E D` and `E D^2`, part by part.
+    pub fn displacement(&mut self, plane: &Plane, t: usize, d: &SVector<f64, N>, d2: &SVector<f64, N>) {
         let frame = &plane.frames[t];
         let length = frame.dt_s / plane.step_s;
         if length > 0.0 {
@@ -82,22 +82,7 @@ impl<'a, const N: usize> Sums<'a, N> {
             sums.steps += 1.0;
             sums.length += length;
             sums.d += d;
-        }
-    }
-
-    /// The same by the moments of both states.
-    pub fn pair<const M: usize, W: World<N, M>>(&mut self, world: &W, plane: &Plane, t: usize, pair: &Pair<N>) {
-        if self.exact {
-            let frame = &plane.frames[t];
-            let length = frame.dt_s / plane.step_s;
-            if length > 0.0 {
-                let (d, d2) = world.displacement_moments(pair);
-                self.actions[frame.action].d2 += d2 / length;
-                self.displacement(plane, t, &d);
-            }
-        } else {
-            // "Approximating D as linear", E D = D(mu_xi) (section 4.3.1).
-            self.displacement(plane, t, &world.displacement(&pair.now.mean, &pair.next.mean).0);
+            sums.d2 += d2 / length;
         }
     }
 
@@ -194,6 +179,47 @@ impl<'a, const N: usize> Sums<'a, N> {
             if sums.length > 0.0 {
                 *v = sums.d / (sums.length * plane.step_s);
             }
+        }
+    }
+}
+
+impl<const N: usize> Sums<'_, N> {
+    /// The derivative of the expected log-likelihood at `lambda` by velocities and coefficients of `f`, which is that of the
+    /// log-likelihood too (Fisher's identity): the complete data's information times the M-step to `next`.
+    #[must_use]
+    pub fn score(&self, plane: &Plane, lambda: &Parameters<N>, next: &Parameters<N>) -> Vec<f64> {
+        let mut score = Vec::new();
+        for (a, sums) in self.actions.iter().enumerate() {
+            let information = lambda.motion_var[a].map(|q| sums.length * plane.step_s * plane.step_s / q);
+            score.extend(information.component_mul(&(next.velocity[a] - lambda.velocity[a])).iter());
+        }
+        let n = self.f.n;
+        score.extend((0..n).map(|i| {
+            let row = (0..n).map(|j| self.powers[i + j] * (next.f.c[j] - lambda.f.c[j]));
+            row.sum::<f64>() / lambda.size_var
+        }));
+        score
+    }
+
+    /// The next noise of the motion, into `lambda`, about its velocities: for each action and axis
+    /// `E (D - v dt)^2 / length` over its steps and, as if these were its own too, `pooled_steps` of all actions.
+    pub fn motion(&self, plane: &Plane, pooled_steps: f64, lambda: &mut Parameters<N>) {
+        let square = |sums: &ActionSums<N>, v: &SVector<f64, N>| {
+            let mu = v * plane.step_s;
+            sums.d2 - 2.0 * mu.component_mul(&sums.d) + mu.component_mul(&mu) * sums.length
+        };
+        let (mut all, mut steps) = (SVector::<f64, N>::zeros(), 0.0);
+        for (sums, v) in self.actions.iter().zip(&lambda.velocity) {
+            all += square(sums, v);
+            steps += sums.steps;
+        }
+        if steps <= 0.0 {
+            return;
+        }
+        let mean = all / steps;
+        for ((q, v), sums) in lambda.motion_var.iter_mut().zip(&lambda.velocity).zip(&self.actions) {
+            let next = (square(sums, v) + mean * pooled_steps) / (sums.steps + pooled_steps);
+            *q = next.zip_map(q, floored);
         }
     }
 }

@@ -21,12 +21,20 @@ impl World<1, 1> for Track {
         Moved { to: w + mu, f: Matrix1::new(1.0), q: *q }
     }
 
+    fn forth_from(&self, from: &Gaussian<1>, mu: &Vector1<f64>, q: &Vector1<f64>) -> Moved<1> {
+        self.forth(&from.mean, mu, q)
+    }
+
     fn back(&self, w: &Vector1<f64>, mu: &Vector1<f64>, q: &Vector1<f64>) -> Moved<1> {
         Moved { to: w - mu, f: Matrix1::new(1.0), q: *q }
     }
 
     fn displacement(&self, w: &Vector1<f64>, next: &Vector1<f64>) -> (Vector1<f64>, Matrix1<f64>, Matrix1<f64>) {
         (next - w, Matrix1::new(-1.0), Matrix1::new(1.0))
+    }
+
+    fn axes(&self, _w: &Vector1<f64>) -> Matrix1<f64> {
+        Matrix1::new(1.0)
     }
 
     fn displacement_moments(&self, pair: &Pair<1>) -> (Vector1<f64>, Vector1<f64>) {
@@ -37,6 +45,11 @@ impl World<1, 1> for Track {
     fn innovation(&self, w: &Vector1<f64>, seen: &Seen, f: &SizeCurve) -> (Vector1<f64>, Matrix1<f64>) {
         let (size, slope) = f.at(-w[0]);
         (Vector1::new(seen.size - size), Matrix1::new(-slope))
+    }
+
+    fn innovation_from(&self, state: &Gaussian<1>, seen: &Seen, f: &SizeCurve) -> (Vector1<f64>, Matrix1<f64>) {
+        let (e, h) = self.innovation(&state.mean, seen, f);
+        (e - 0.5 * f.curvature_at(-state.mean[0]) * state.covariance, h)
     }
 
     fn look(&self, w: &Vector1<f64>, _seen: &Seen) -> Look {

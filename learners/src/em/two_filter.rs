@@ -18,8 +18,7 @@ use nalgebra::{SMatrix, SVector};
 use super::filter::{Forward, Weight, noise, step, update};
 use super::parameters::Parameters;
 use super::sums::Sums;
-use super::world::World;
-use crate::plane::Plane;
+use super::world::{Problem, World};
 
 /// The variance that stands for infinity.
 const VAGUE_VAR: f64 = 1e2;
@@ -66,13 +65,13 @@ pub fn displaced<const N: usize, const M: usize, W: World<N, M>>(
 /// The backward sweep: gives every `gamma_t` and `xi_t` to `sums`, last frame first. `None` if the filter
 /// breaks down.
 pub fn backward<const N: usize, const M: usize, W: World<N, M>>(
-    world: &W,
-    plane: &Plane,
+    problem: Problem<'_, W>,
     lambda: &Parameters<N>,
     forward: &Forward<N>,
     weights: &[Weight],
     sums: &mut Sums<'_, N>,
 ) -> Option<()> {
+    let Problem { world, plane } = problem;
     let mean = forward.alpha.last()?.mean;
     let mut beta = Gaussian { mean, covariance: SMatrix::identity() * VAGUE_VAR };
     let mut vague = true;
@@ -82,7 +81,8 @@ pub fn backward<const N: usize, const M: usize, W: World<N, M>>(
         if t + 1 < forward.alpha.len() {
             // beta is delta of the next frame here.
             let (mu, q) = step(plane, lambda, t);
-            sums.displacement(plane, t, &displaced(world, alpha, &beta, &mu, &q));
+            let d = displaced(world, alpha, &beta, &mu, &q);
+            sums.displacement(plane, t, &d, &SVector::zeros());
             let moved = world.back(&beta.mean, &mu, &q);
             beta.mean = moved.to;
             beta.covariance = moved.f * beta.covariance * moved.f.transpose() + moved.q;

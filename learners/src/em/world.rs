@@ -4,7 +4,7 @@ use asami_math::kalman::Gaussian;
 use nalgebra::{SMatrix, SVector};
 
 use super::curve::SizeCurve;
-use crate::plane::Seen;
+use crate::plane::{Plane, Seen};
 
 /// A square matrix of the state's size.
 pub type Square<const N: usize> = SMatrix<f64, N, N>;
@@ -20,17 +20,27 @@ pub trait World<const N: usize, const M: usize>: Sync {
     /// Where `mu` leads from `w`, how the result depends on `w`, and the covariance of the noise in the world.
     fn forth(&self, w: &SVector<f64, N>, mu: &SVector<f64, N>, q: &SVector<f64, N>) -> Moved<N>;
 
+    /// The same on average over where the motion starts: the linear function that fits it best there.
+    fn forth_from(&self, from: &Gaussian<N>, mu: &SVector<f64, N>, q: &SVector<f64, N>) -> Moved<N>;
+
     /// The inverse of [`forth`](World::forth): whence `mu` led to `w`.
     fn back(&self, w: &SVector<f64, N>, mu: &SVector<f64, N>, q: &SVector<f64, N>) -> Moved<N>;
 
     /// `D(w, w') = R(-theta) (w' - w)` and its derivatives by `w` and by `w'`.
     fn displacement(&self, w: &SVector<f64, N>, next: &SVector<f64, N>) -> (SVector<f64, N>, Square<N>, Square<N>);
 
+    /// `R(theta)`: the robot's axes in the world.
+    fn axes(&self, w: &SVector<f64, N>) -> Square<N>;
+
     /// Means of `D` and of the squares of its parts, of a Gaussian pair of states, exactly.
     fn displacement_moments(&self, pair: &Pair<N>) -> (SVector<f64, N>, SVector<f64, N>);
 
     /// `o - h(w)`, angles normalised, and the derivative of `h` by `w`.
     fn innovation(&self, w: &SVector<f64, N>, seen: &Seen, f: &SizeCurve) -> (SVector<f64, M>, SMatrix<f64, M, N>);
+
+    /// The same on average over a Gaussian state, to second order.
+    fn innovation_from(&self, state: &Gaussian<N>, seen: &Seen, f: &SizeCurve)
+    -> (SVector<f64, M>, SMatrix<f64, M, N>);
 
     /// `dist(w)` and, if bearings are observed, `ang(w)` less the one observed, normalised.
     fn look(&self, w: &SVector<f64, N>, seen: &Seen) -> Look;
@@ -41,6 +51,23 @@ pub trait World<const N: usize, const M: usize>: Sync {
     /// Inverse of a symmetric positive definite matrix; not finite where it has none.
     fn inverse(&self, a: &Square<N>) -> Square<N>;
 }
+
+/// What the states are to be found for: a kind of world, and a log of it.
+#[derive(Debug)]
+pub struct Problem<'a, W> {
+    /// The kind of world.
+    pub world: &'a W,
+    /// The log.
+    pub plane: &'a Plane,
+}
+
+impl<W> Clone for Problem<'_, W> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<W> Copy for Problem<'_, W> {}
 
 /// A step of motion, linearised.
 #[derive(Clone, Copy, Debug)]
