@@ -34,7 +34,6 @@ impl EmBest {
             motion: MotionNoise::Learned { pooled_steps: self.pooled_steps },
             outliers: Outliers::Mixture,
             acceleration: Acceleration::Newton,
-            errors: true,
             coefficients: self.degree as usize + 1,
             patience: self.patience,
             tolerance: self.tolerance,

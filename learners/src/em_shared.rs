@@ -35,7 +35,6 @@ impl EmShared {
             outliers: Outliers::Mixture,
             acceleration: Acceleration::Newton,
             structure: Structure::Smooth,
-            errors: true,
             coefficients: self.degree as usize + 1,
             patience: self.patience,
             tolerance: self.tolerance,

@@ -125,6 +125,12 @@ pub enum Lack {
         /// How long an action must be executed.
         least_s: f64,
     },
+    /// Some actions of the starting models were never executed.
+    #[error("actions {actions:?} of the starting models were never executed: nothing is learned about them")]
+    UnusedActions {
+        /// Their ids, in order.
+        actions: Vec<u16>,
+    },
     /// No landmark but one was seen: the world could be turned about it.
     #[error("only landmark {landmark} was ever seen: where the robot stood about it cannot be told")]
     OneLandmark {

@@ -141,7 +141,7 @@ impl Plane {
         self.sightings.iter().map(|seen| (seen.landmark, seen.landmark_m)).collect()
     }
 
-    /// What this log cannot tell: actions hardly executed, sizes that do not change, a single landmark (in
+    /// What this log cannot tell: actions hardly executed, sizes of no landmark that change, a single landmark (in
     /// the plane, not along a line).
     #[must_use]
     pub fn lacks(&self, along_a_line: bool) -> Vec<Lack> {
@@ -151,10 +151,14 @@ impl Plane {
         if !actions.is_empty() {
             lacks.push(Lack::RareActions { actions, least_s: RARE_S });
         }
-        let sizes = self.sightings.iter().map(|seen| seen.size);
-        let (least, greatest) = sizes.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), o| (a.min(o), b.max(o)));
-        if greatest - least <= 10.0 * self.local_noise() {
-            lacks.push(Lack::NarrowObservations { span: greatest - least, unit: self.unit.symbol() });
+        let mut spans: BTreeMap<u16, (f64, f64)> = BTreeMap::new();
+        for seen in &self.sightings {
+            let (least, greatest) = spans.entry(seen.landmark).or_insert((seen.size, seen.size));
+            (*least, *greatest) = (least.min(seen.size), greatest.max(seen.size));
+        }
+        let span = spans.values().fold(0.0, |most: f64, (least, greatest)| most.max(greatest - least));
+        if span <= 10.0 * self.local_noise() {
+            lacks.push(Lack::NarrowObservations { span, unit: self.unit.symbol() });
         }
         let landmarks = self.landmarks();
         if let (1, false, Some((landmark, _))) = (landmarks.len(), along_a_line, landmarks.first_key_value()) {

@@ -93,6 +93,20 @@ pub fn information<const N: usize, const M: usize, W: World<N, M>>(
     Some((0..n).map(|i| (0..n).map(|j| whole(i, j)).collect()).collect())
 }
 
+/// Adds the agreement that the parameters do not move along `free`.
+pub fn agree(information: &mut Information, free: &[f64]) {
+    let square: f64 = free.iter().map(|x| x * x).sum();
+    let most = information.iter().enumerate().fold(0.0, |most: f64, (i, row)| most.max(row[i]));
+    let weight = 1e3 * most / square;
+    if weight.is_finite() {
+        for (row, a) in information.iter_mut().zip(free) {
+            for (sum, b) in row.iter_mut().zip(free) {
+                *sum += weight * a * b;
+            }
+        }
+    }
+}
+
 /// Solves `information x = score`, with what little is known before.
 pub fn solve(information: &Information, score: &[f64]) -> Option<Vec<f64>> {
     let l = cholesky(&with_prior(information))?;

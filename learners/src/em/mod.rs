@@ -9,13 +9,15 @@
 //! | outliers | gate, as published; mixture of true and false sightings | [`filter`], [`outliers`] |
 //! | acceleration | none; squared extrapolation | [`squarem`] |
 //! | structure | a table; velocities that borrow strength from each other | [`structure`] |
-//! | errors | none; from the innovations' information | [`information`] |
 //! | kind of world | the plane; a line | [`field`], [`track`] |
+//!
+//! Standard errors come from the innovations' [`information`], for all of them.
 
 pub mod curve;
 pub mod field;
 pub mod filter;
 pub mod information;
+pub mod noise;
 pub mod outliers;
 pub mod parameters;
 pub mod smoother;
@@ -27,10 +29,10 @@ pub mod track;
 pub mod two_filter;
 pub mod world;
 
-use asami_dataset::{Log, Models, Rng};
+use asami_dataset::{ActionModel, Log, Models, Rng};
 use asami_math::kalman::Gaussian;
 
-use crate::learner::{CannotLearn, Learned, Step, Verdict};
+use crate::learner::{CannotLearn, Lack, Learned, Step, Verdict};
 use crate::plane::Plane;
 use field::Field;
 use filter::{About, Forward, Weight};
@@ -86,7 +88,7 @@ pub enum Acceleration {
     None,
     /// Squared extrapolation (Varadhan and Roland 2008).
     Squarem,
-    /// The same, and now and then a Newton step of velocities and `f` with the information of the innovations.
+    /// The same, and now and then a Newton step with the information of the innovations.
     Newton,
 }
 
@@ -114,8 +116,6 @@ pub struct Em {
     pub acceleration: Acceleration,
     /// What the velocities of different actions have to do with each other.
     pub structure: Structure,
-    /// Whether standard errors are computed at the end.
-    pub errors: bool,
     /// Coefficients of `f`.
     pub coefficients: usize,
     /// Stops after so many iterations without a new best likelihood.
@@ -136,7 +136,6 @@ impl Default for Em {
             outliers: Outliers::Gate,
             acceleration: Acceleration::None,
             structure: Structure::Table,
-            errors: false,
             coefficients: 4,
             patience: 50,
             tolerance: 0.0,
@@ -157,7 +156,8 @@ impl Em {
         let mut lambda = Parameters::given(&plane, given, f, start::nowhere())?;
         plane.require(self.coefficients + 3)?;
         lambda.prior = start::prior_in_plane(&world, &plane, &lambda);
-        Ok(Learned { lacks: plane.lacks(false), ..Run::new(self, &world, &plane).learn(lambda, rng) })
+        let lacks = lacks(&plane, given, false);
+        Ok(Learned { lacks, ..Run::new(self, &world, &plane).learn(lambda, rng) })
     }
 
     /// Learns along a line.
@@ -170,8 +170,24 @@ impl Em {
         let prior = start::prior_along_line(&plane, &f);
         let lambda = Parameters::given(&plane, given, f, prior)?;
         plane.require(self.coefficients + 3)?;
-        Ok(Learned { lacks: plane.lacks(true), ..Run::new(self, &Track, &plane).learn(lambda, rng) })
+        let lacks = lacks(&plane, given, true);
+        Ok(Learned { lacks, ..Run::new(self, &Track, &plane).learn(lambda, rng) })
     }
+}
+
+/// What the log lacks, actions included that are in the starting models and never executed.
+fn lacks(plane: &Plane, given: &Models, along_a_line: bool) -> Vec<Lack> {
+    let mut lacks = plane.lacks(along_a_line);
+    let entries = match &given.action {
+        Some(ActionModel::Table(entries)) => &entries[..],
+        _ => &[],
+    };
+    let used = |id: u16| plane.actions.iter().any(|action| action.id == Some(id));
+    let unused: Vec<u16> = entries.iter().map(|entry| entry.action).filter(|id| !used(*id)).collect();
+    if !unused.is_empty() {
+        lacks.push(Lack::UnusedActions { actions: unused });
+    }
+    lacks
 }
 
 /// The filter's breaking down, as a verdict.
@@ -252,10 +268,7 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
             }
             lambda = next;
         }
-        learned.models = match self.em.errors {
-            true => self.with_errors(best.1, rng),
-            false => best.1.models(self.problem.plane, None),
-        };
+        learned.models = self.with_errors(best.1);
         learned
     }
 
@@ -333,8 +346,8 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
         next.is_finite().then_some((log_likelihood, next))
     }
 
-    /// The EM map's `next`, but velocities and `f` where the log-likelihood's quadratic approximation at `lambda` has its
-    /// maximum.
+    /// The EM map's `next`, but velocities, `f` and what noise is learned where the log-likelihood's quadratic
+    /// approximation at `lambda` has its maximum.
     fn newton(&self, lambda: &Parameters<N>, next: &Parameters<N>) -> Option<Parameters<N>> {
         let trajectory = &self.trajectory;
         let information = information::information(self.problem, lambda, trajectory, &self.weights)?;
@@ -344,6 +357,10 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
         let part = if gain > LONGEST_GAIN { (LONGEST_GAIN / gain).sqrt() } else { 1.0 };
         let mut far = next.clone();
         far.set_means(&lambda.means().iter().zip(step).map(|(mean, step)| mean + part * step).collect::<Vec<f64>>());
+        if let MotionNoise::Learned { .. } = self.em.motion {
+            let steps = noise::derivatives(self.problem, lambda, trajectory, &self.weights)?.newton()?;
+            far.set_noise(lambda, &steps);
+        }
         Some(far)
     }
 
@@ -385,14 +402,12 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
     }
 
     /// The models of `lambda` with standard errors, after sharing between actions where the method does.
-    fn with_errors(&mut self, mut lambda: Parameters<N>, rng: &mut Rng) -> Models {
+    fn with_errors(&mut self, mut lambda: Parameters<N>) -> Models {
         let plane = self.problem.plane;
-        // A smoother without a trajectory to start from, then information about the trajectory it finds.
-        let smoothed = self.expect(&lambda, u32::MAX, rng).is_some();
-        let information = smoothed
-            .then(|| information::information(self.problem, &lambda, &self.trajectory, &self.weights))
-            .flatten();
-        let Some(information) = information else { return lambda.models(plane, None) };
+        if let MotionNoise::Learned { .. } = self.em.motion {
+            let _ = self.restrict(&mut lambda);
+        }
+        let Some(information) = self.information(&lambda) else { return lambda.models(plane, None) };
         if self.em.structure == Structure::Smooth
             && let Some(shared) = structure::shared(plane, N, &lambda.means(), &information)
         {
@@ -401,6 +416,46 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
         }
         let covariance = information::covariance(&information);
         lambda.models(plane, covariance.map(|c| information::errors(plane, &c, false)).as_ref())
+    }
+
+    /// Makes up for what the velocities have taken of the motion's noise: from the greatest likelihood to the
+    /// greatest restricted likelihood (Patterson and Thompson 1971), `log p - 1/2 log det I`, in one Newton step. `I`, the
+    /// information about velocities and `f`, is differentiated by differences.
+    fn restrict(&mut self, lambda: &mut Parameters<N>) -> Option<()> {
+        const CHANGE: f64 = 0.1;
+        let information = self.information(lambda)?;
+        let covariance = information::covariance(&information)?;
+        let mut derivatives = noise::derivatives(self.problem, lambda, &self.smoothed, &self.weights)?;
+        derivatives.score.fill(0.0);
+        for axis in 0..N {
+            let mut changes = vec![0.0; N + M];
+            changes[axis] = CHANGE;
+            let mut other = lambda.clone();
+            other.set_noise(lambda, &changes);
+            let changed = information::information(self.problem, &other, &self.smoothed, &self.weights)?;
+            let rows = covariance.iter().zip(changed.iter().zip(&information));
+            let trace = rows.fold(0.0, |sum, (c, (a, b))| {
+                sum + c.iter().zip(a.iter().zip(b)).fold(0.0, |sum, (c, (a, b))| sum + c * (a - b))
+            });
+            derivatives.score[axis] = -0.5 * trace / CHANGE;
+        }
+        let steps = derivatives.newton()?;
+        let before = lambda.clone();
+        lambda.set_noise(&before, &steps);
+        Some(())
+    }
+
+    /// The information about the smoothed trajectory of `lambda`; of units that the log leaves open, as if they
+    /// were agreed on.
+    fn information(&mut self, lambda: &Parameters<N>) -> Option<information::Information> {
+        let (problem, weights) = (self.problem, &mut self.weights);
+        self.forward.run(problem, lambda, About::Own, weights, false)?;
+        smoother::backward(problem, lambda, About::Own, &self.forward, weights, &mut self.smoothed, None)?;
+        let mut information = information::information(problem, lambda, &self.smoothed, weights)?;
+        for free in lambda.free_units() {
+            information::agree(&mut information, &free);
+        }
+        Some(information)
     }
 }
 

@@ -155,6 +155,33 @@ impl<const N: usize> Parameters<N> {
         }
     }
 
+    /// Sets the noise to that of `before`, times the exponentials of `steps`: of the motion, along each axis, then
+    /// of size and bearing.
+    pub fn set_noise(&mut self, before: &Self, steps: &[f64]) {
+        for (q, before) in self.motion_var.iter_mut().zip(&before.motion_var) {
+            *q = SVector::from_fn(|axis, _| before[axis] * exp(steps[axis]));
+        }
+        self.size_var = before.size_var * exp(steps[N]);
+        self.bearing_var = before.bearing_var * steps.get(N + 1).map_or(1.0, |step| exp(*step));
+    }
+
+    /// Directions in [`means`](Self::means) along which nothing that is observed changes. Along a line these are the
+    /// unit of length, `v` to `k v` and `f(d)` to `f(d / k)`, and the landmark's place, `f(d)` to `f(d + a)`.
+    #[must_use]
+    pub fn free_units(&self) -> Vec<Vec<f64>> {
+        if N > 1 {
+            return Vec::new();
+        }
+        let (c, n) = (&self.f.c, self.f.n);
+        // Coefficients of the derivative by u.
+        let slope = |i: usize| if i + 1 < n { (i + 1) as f64 * c[i + 1] } else { 0.0 };
+        let velocities = self.velocity.iter().flat_map(|v| v.iter().copied());
+        let stretched = (0..n).map(|i| -(i as f64 * c[i] + self.f.centre_m / self.f.scale_m * slope(i)));
+        let moved = (0..n).map(|i| slope(i) / self.f.scale_m);
+        let still = std::iter::repeat_n(0.0, self.velocity.len());
+        vec![velocities.chain(stretched).collect(), still.chain(moved).collect()]
+    }
+
     /// Log-density of a sighting that is true with some log-density, and false with the rest of the probability.
     #[must_use]
     pub fn mixed(&self, log_density: f64) -> f64 {

@@ -1,6 +1,11 @@
 //! The learners of chapter 4 on logs whose truth is known.
 
 mod conformance;
+mod kernels;
+mod lacking;
+mod oracle;
 mod plane;
 mod published;
+mod symmetry;
 mod synthetic;
+mod variants;

@@ -29,6 +29,6 @@ fn stays_near_the_truth() {
         let end = score(&walker, &learned.models);
         assert!(end.velocity[0] < 12.0 && end.velocity[1] < 12.0 && end.velocity[2] < 0.03, "{name}: {end:?}");
         assert!(end.sensor_px < 0.3 && (end.sigma1_px - 1.0).abs() < 0.03, "{name}: {end:?}");
-        assert!((end.sigma2_rad - 0.5).abs() < 0.02 && end.covered.is_nan(), "{name}: {end:?}");
+        assert!((end.sigma2_rad - 0.5).abs() < 0.02 && end.covered > 0.9, "{name}: {end:?}");
     }
 }

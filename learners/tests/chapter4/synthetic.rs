@@ -34,6 +34,8 @@ pub struct Walker {
     /// Which of the beacons there are.
     pub beacons: Vec<u16>,
     pub actions: u16,
+    /// Factor on all velocities.
+    pub speed: f64,
 }
 
 impl Default for Walker {
@@ -49,6 +51,7 @@ impl Default for Walker {
             cubic: false,
             beacons: vec![0, 1, 2, 3],
             actions: 40,
+            speed: 1.0,
         }
     }
 }
@@ -123,7 +126,7 @@ impl Walker {
                 };
                 sightings.push(Sighting { t_s, landmark: id, size: Size::HeightPx(size), bearing_rad });
             }
-            let v = Self::velocity(action);
+            let v = Self::velocity(action).map(|v| self.speed * v);
             let moved: [f64; 3] = std::array::from_fn(|k| v[k] * self.dt_s + self.motion_sd[k] * normal(&mut motion));
             let (s, c) = sin_cos(pose[2]);
             pose[0] += c * moved[0] - s * moved[1];
