@@ -187,6 +187,12 @@ fn blank<S: Default>(row: usize, case: Case) -> Trial<S> {
     }
 }
 
+/// Scores in the place of a trial's: of what needs the truth and is no learner's.
+#[must_use]
+pub fn of_scores<S: Default>(case: Case, scores: S) -> Trial<S> {
+    Trial { scores, ..blank(0, case) }
+}
+
 /// The part of a case's log that a row is given.
 #[must_use]
 pub fn part(scenario: &Scenario, row: &Row, case: &Case, log: &Log) -> Log {

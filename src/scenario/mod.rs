@@ -139,6 +139,12 @@ pub struct Expect {
     /// The row's part of the log.
     #[serde(default)]
     pub era: Era,
+    /// The robot whose log the row learns from; left out: of every robot.
+    pub robot: Option<u16>,
+    /// The number of landmarks in that log; left out: with every set of them.
+    pub landmarks: Option<u16>,
+    /// The era whose truth the models are held against; left out: that of the row.
+    pub truth: Option<Era>,
     /// The row's duration; may be left out where only one row has this label and start.
     pub duration_s: Option<f64>,
     /// At least this share of the trials converges.

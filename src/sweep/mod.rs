@@ -7,12 +7,15 @@
 pub mod cases;
 pub mod line;
 pub mod manifest;
+pub mod outcome;
 pub mod plane;
 pub mod progress;
 pub mod rows;
 pub mod source;
 pub mod spread;
 pub mod stride;
+pub mod table;
+pub mod tally;
 pub mod verb;
 pub mod verdict;
 

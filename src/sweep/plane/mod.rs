@@ -1,16 +1,21 @@
 //! Sections 4.4.1 and 4.4.2 of Stronger (2008): their side of a sweep.
 
+pub mod published;
 pub mod quantities;
 pub mod rows;
+pub mod tables;
 
 use asami_dataset::{Dataset, Log, Models, Survey};
 use asami_learners::line::Unit;
 use serde::{Deserialize, Serialize};
 
-use super::{CannotSweep, Finished, Results, rows as shared, verb};
-use crate::scenario::{Row, Scenario, Start};
+use super::outcome::Outcome;
+use super::tally::{self, Group, Tallied};
+use super::{CannotSweep, Finished, Record, Results};
+use crate::scenario::{Era, Row, Scenario, Start};
 use crate::scorer::plane::{Scores, Yardstick};
 use crate::study::{Finishing, Reference, Study};
+use crate::trial::{Trial, of_scores};
 
 /// Models of chapter 4 in the plane.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,8 +80,33 @@ impl Study for InPlane {
     }
 
     fn finish(results: Results<Self>, finishing: &Finishing<'_>) -> Result<Finished, CannotSweep> {
-        shared::write(&results, &rows::trials(&results), finishing.out)?;
-        let text = format!("{}\n{}\n", results.scenario.about, verb::errors(&results));
-        Ok(Finished { text, has_errors: results.has_errors() })
+        let published = published::of(&results.scenario);
+        let trials = rows::trials(&results);
+        let compared = ["vx_rmse_mm_per_s", "vy_rmse_mm_per_s", "vtheta_rmse_rad_per_s"];
+        let outcome = Outcome::of(results, &tables::TABLES, published, ("em_published", &compared));
+        outcome.write(&trials, finishing)?;
+        Ok(outcome.finished())
+    }
+}
+
+impl Tallied for InPlane {
+    fn names() -> &'static [&'static str] {
+        &quantities::NAMES
+    }
+
+    fn value(record: &Record<Self>, trial: &Trial<Scores>, _: Option<Era>, quantity: usize) -> Option<f64> {
+        (quantities::QUANTITIES.get(quantity)?.of)(trial, &record.truth)
+    }
+
+    fn reference(record: &Record<Self>, scores: &Scores, _: Option<Era>, quantity: usize) -> Option<f64> {
+        // The truth itself is in every row already.
+        let name = quantities::NAMES.get(quantity)?;
+        let is_truth = name.starts_with("sigma") && name.contains("_true");
+        let value = (quantities::QUANTITIES.get(quantity)?.of)(&of_scores(record.case, *scores), &record.truth);
+        value.filter(|_| !is_truth)
+    }
+
+    fn groups(results: &Results<Self>) -> Vec<Group> {
+        tally::parts(results)
     }
 }

@@ -16,7 +16,7 @@ pub struct Quantity {
 }
 
 /// All of them, in the order of their columns.
-pub const QUANTITIES: [Quantity; 26] = [
+pub const QUANTITIES: [Quantity; 28] = [
     Quantity { name: "iterations", of: |trial, _| trial.iterations.map(f64::from) },
     Quantity { name: "vx_rmse_mm_per_s", of: |trial, _| Some(1e3 * trial.scores.velocity_rmse?[0]) },
     Quantity { name: "vy_rmse_mm_per_s", of: |trial, _| Some(1e3 * trial.scores.velocity_rmse?[1]) },
@@ -40,9 +40,17 @@ pub const QUANTITIES: [Quantity; 26] = [
     Quantity { name: "motion_turn_sd_rad", of: |trial, _| Some(trial.scores.motion_sd?[2]) },
     Quantity { name: "coverage", of: |trial, _| coverage(&trial.scores) },
     Quantity { name: "nis", of: |trial, _| trial.scores.nis },
-    Quantity { name: "observations", of: |trial, _| Some(trial.observations as f64) },
+    Quantity { name: "observations", of: |trial, _| Some(trial.observations as f64).filter(|n| *n > 0.0) },
     Quantity { name: "log_likelihood_start", of: |trial, _| Some(trial.likelihood?.start) },
     Quantity { name: "log_likelihood_best", of: |trial, _| Some(trial.likelihood?.best) },
+    Quantity {
+        name: "log_likelihood_start_per_observation",
+        of: |trial, _| Some(trial.likelihood?.start / trial.observations as f64),
+    },
+    Quantity {
+        name: "log_likelihood_best_per_observation",
+        of: |trial, _| Some(trial.likelihood?.best / trial.observations as f64),
+    },
 ];
 
 /// Their names.

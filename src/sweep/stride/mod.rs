@@ -1,15 +1,21 @@
 //! Section 4.4.3 of Stronger (2008): its side of a sweep.
 
+pub mod published;
 pub mod quantities;
 pub mod rows;
+pub mod tables;
 
 use asami_dataset::{Action, Dataset, Log, Models, Survey};
 use serde::{Deserialize, Serialize};
 
-use super::{CannotSweep, Finished, Results, rows as shared, verb};
+use super::outcome::Outcome;
+use super::table::Published;
+use super::tally::{Group, Tallied};
+use super::{CannotSweep, Finished, Record, Results};
 use crate::scenario::{Era, Origin, Row, Scenario, Start};
 use crate::scorer::stride::{Scores, Yardstick};
 use crate::study::{Finishing, Reference, Study};
+use crate::trial::{Trial, of_scores};
 
 /// Models of chapter 4 along a line, before and after the robot changed.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,8 +106,35 @@ impl Study for Strides {
     }
 
     fn finish(results: Results<Self>, finishing: &Finishing<'_>) -> Result<Finished, CannotSweep> {
-        shared::write(&results, &rows::trials(&results), finishing.out)?;
-        let text = format!("{}\n{}\n", results.scenario.about, verb::errors(&results));
-        Ok(Finished { text, has_errors: results.has_errors() })
+        let trials = rows::trials(&results);
+        let published: &[Published] = match results.scenario.origin {
+            Origin::Simulated(_) => published::SECTION_4_4_3,
+            Origin::Recorded(_) => &[],
+        };
+        let compared = ["action_rmse_mm_per_s", "sensor_rmse_px"];
+        let outcome = Outcome::of(results, &[tables::TABLE], published, ("em_1d_published", &compared));
+        outcome.write(&trials, finishing)?;
+        Ok(outcome.finished())
+    }
+}
+
+impl Tallied for Strides {
+    fn names() -> &'static [&'static str] {
+        &quantities::NAMES
+    }
+
+    fn value(record: &Record<Self>, trial: &Trial<ByEra<Scores>>, truth: Option<Era>, quantity: usize) -> Option<f64> {
+        let era = truth.unwrap_or_default();
+        let (scores, truth) = trial.scores.of(era).zip(record.truth.of(era))?;
+        (quantities::QUANTITIES.get(quantity)?.of)(trial, scores, truth)
+    }
+
+    fn reference(record: &Record<Self>, scores: &ByEra<Scores>, truth: Option<Era>, quantity: usize) -> Option<f64> {
+        Self::value(record, &of_scores(record.case, *scores), truth, quantity)
+    }
+
+    fn groups(results: &Results<Self>) -> Vec<Group> {
+        let eras = [Some(Era::Before), results.changed.as_ref().map(|_| Era::After)];
+        eras.into_iter().flatten().map(|era| Group { truth: Some(era), ..Group::default() }).collect()
     }
 }

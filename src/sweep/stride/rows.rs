@@ -10,10 +10,12 @@ use crate::trial::Ending;
 /// `trials.csv`.
 #[must_use]
 pub fn trials(results: &Results<Strides>) -> String {
-    let names: Vec<&str> = QUANTITIES.iter().map(|quantity| quantity.name).collect();
+    // Iterations stand among the agreed columns.
+    let quantities = || QUANTITIES.iter().filter(|quantity| quantity.name != "iterations");
+    let names: Vec<&str> = quantities().map(|quantity| quantity.name).collect();
     let mut text = format!(
-        "scenario,learner,starting_model,seed,converged,iterations,learned_era,truth_era,{},observations,\
-         log_likelihood_start,log_likelihood_best,duration_s,lacks,verdict,reason\n",
+        "scenario,learner,starting_model,seed,converged,iterations,learned_era,truth_era,{},duration_s,lacks,\
+         verdict,reason\n",
         names.join(",")
     );
     for (record, trial) in results.trials() {
@@ -35,11 +37,11 @@ pub fn trials(results: &Results<Strides>) -> String {
                 era.name().to_owned(),
             ];
             let of = |quantity: &super::quantities::Quantity| {
-                optional(scores.and_then(|(scores, truth)| (quantity.of)(scores, truth)))
+                let value = scores.and_then(|(scores, truth)| (quantity.of)(trial, scores, truth));
+                let is_count = quantity.name == "observations";
+                if is_count { value.map_or_else(String::new, |n| format!("{n:.0}")) } else { optional(value) }
             };
-            fields.extend(QUANTITIES.iter().map(of));
-            fields.push(trial.observations.to_string());
-            fields.extend([trial.likelihood.map(|it| it.start), trial.likelihood.map(|it| it.best)].map(optional));
+            fields.extend(quantities().map(of));
             fields.push(optional(Some(row.duration_s)));
             fields.extend([quoted(&trial.lacks.join("; ")), trial.ending.name().to_owned(), quoted(&trial.reason)]);
             text.push_str(&fields.join(","));
