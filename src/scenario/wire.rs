@@ -113,6 +113,8 @@ pub struct Row {
     pub label: Option<String>,
     /// What it is given.
     pub start: Option<Start>,
+    /// In its place: several, a row of the table for each.
+    pub starts: Option<Vec<Start>>,
     /// Which part of the log.
     pub era: Option<Era>,
     /// How much of it.

@@ -55,12 +55,14 @@ impl<S: Tallied> Outcome<S> {
         write("manifest.json", &(manifest + "\n"))
     }
 
-    /// What a terminal shows at the end: question, tables, expected answers, errors.
+    /// What a terminal shows at the end: question, first table, expected answers, errors.
     #[must_use]
     pub fn finished(&self) -> Finished {
-        let tables: Vec<String> = self.tables.iter().map(Table::plain).collect();
+        let table = self.tables.first().map(Table::plain).unwrap_or_default();
+        let more: Vec<String> = self.tables.iter().skip(1).map(|table| format!("{}.md", table.name)).collect();
+        let more = if more.is_empty() { String::new() } else { format!("\nmore: {}\n", more.join(", ")) };
         let (about, verdicts) = (&self.results.scenario.about, verdict::text(&self.verdicts));
-        let text = format!("{about}\n\n{}{verdicts}{}\n", tables.join("\n"), verb::errors(&self.results));
+        let text = format!("{about}\n\n{table}{more}{verdicts}{}\n", verb::errors(&self.results));
         Finished { text, has_errors: self.results.has_errors() }
     }
 }

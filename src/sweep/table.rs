@@ -127,6 +127,11 @@ pub fn table<S: Tallied>(results: &Results<S>, tallies: &[Tally], published: &[P
         for (name, start) in reference_names(results) {
             let entries =
                 columns.iter().map(|column| reference(results, &name, start, group, quantity(column)?)).collect();
+            // A starting model like one above in everything that this table shows.
+            let is_known = |line: &Line| line.learner == name && line.group == group && line.entries == entries;
+            if lines.iter().any(is_known) {
+                continue;
+            }
             let learner = name.clone();
             lines.push(Line { whose: Whose::Reference, learner, start, era: None, group, entries, converged: None });
         }
@@ -265,7 +270,7 @@ impl Table {
         let mut rows = vec![heads.chain(["converged".to_owned()]).collect::<Vec<_>>()];
         rows.extend(self.lines.iter().map(|line| {
             let numbers = line.entries.iter().zip(&self.columns);
-            let numbers = numbers.map(|(entry, column)| shown(entry.as_ref(), column.decimals, interval, plus_minus));
+            let numbers = numbers.map(|(entry, column)| shown(entry.as_ref(), column, interval, plus_minus));
             let converged =
                 line.converged.map_or_else(String::new, |(converged, trials)| format!("{converged}/{trials}"));
             labels.iter().map(|(_, of)| of(line)).chain(numbers).chain([converged]).collect()
@@ -346,11 +351,17 @@ impl Table {
 }
 
 /// Median, then mean and standard deviation in brackets.
-fn shown(entry: Option<&Entry>, decimals: usize, interval: bool, plus_minus: &str) -> String {
+fn shown(entry: Option<&Entry>, column: &Column, interval: bool, plus_minus: &str) -> String {
+    let decimals = column.decimals;
+    let (zero, spread) = (format!("{:.decimals$}", 0.0), !column.head.starts_with('%'));
     match entry {
         None => String::new(),
         Some(Entry::Printed(value)) => format!("{value:.decimals$}"),
         Some(Entry::Measured(Spread { median, sd: None, .. })) => format!("{median:.decimals$}"),
+        // Of what is the same in every trial, and of a percentage beside its number, one number says enough.
+        Some(Entry::Measured(Spread { median, sd: Some(sd), .. })) if !spread || format!("{sd:.decimals$}") == zero => {
+            format!("{median:.decimals$}")
+        }
         Some(Entry::Measured(Spread { median, mean, sd: Some(sd), interval: between, .. })) => {
             let between = between.filter(|_| interval);
             let between =

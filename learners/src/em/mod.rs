@@ -13,6 +13,7 @@
 //!
 //! Standard errors come from the innovations' [`information`], for all of them.
 
+pub mod consistency;
 pub mod curve;
 pub mod field;
 pub mod filter;

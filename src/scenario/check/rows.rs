@@ -31,7 +31,7 @@ pub(super) fn rows(wire: &Wire, origin: Option<&Origin>, faults: &mut Vec<Fault>
     let mut rows = Vec::new();
     for (i, row) in wire.rows.iter().enumerate() {
         let path = format!("rows.{i}");
-        learner(&path, row, wire.study, &wire.learners, faults);
+        learner(&path, row, &wire.learners, faults);
         let era = era(&path, row, origin, faults);
         let most_s = origin.map_or(f64::INFINITY, |origin| longest_s(origin, era));
         let label = row.label.clone().unwrap_or_else(|| row.learner.clone());
@@ -45,13 +45,16 @@ pub(super) fn rows(wire: &Wire, origin: Option<&Origin>, faults: &mut Vec<Fault>
             let range = (DURATION.range.0, most_s);
             faults.extend(out_of_range(&path, &Parameter { range, ..DURATION }, duration_s));
         }
-        if !seen.insert((label.clone(), row.start, era, duration_s.to_bits())) {
-            let message =
-                format!("row {label} with this start and duration_s stands here twice; tell them apart by `as`");
-            fault(faults, &path, message);
+        for (start, place) in starts(&path, row, faults) {
+            takes(&path, row, start, &place, wire.study, faults);
+            if !seen.insert((label.clone(), start, era, duration_s.to_bits())) {
+                let message =
+                    format!("row {label} with this start and duration_s stands here twice; tell them apart by `as`");
+                fault(faults, &path, message);
+            }
+            let (learner, label, with) = (row.learner.clone(), label.clone(), row.with.clone());
+            rows.push(Row { learner, label, start, era, duration_s, with });
         }
-        let (learner, with) = (row.learner.clone(), row.with.clone());
-        rows.push(Row { learner, label, start: row.start, era, duration_s, with });
     }
     rows
 }
@@ -70,8 +73,8 @@ fn era(path: &str, row: &wire::Row, origin: Option<&Origin>, faults: &mut Vec<Fa
     era
 }
 
-/// A row's learner must be there, have the parameters that the row sets, and be given what it needs.
-fn learner(path: &str, row: &wire::Row, study: Study, learners: &Learners, faults: &mut Vec<Fault>) {
+/// A row's learner must be there and have the parameters that the row sets.
+fn learner(path: &str, row: &wire::Row, learners: &Learners, faults: &mut Vec<Fault>) {
     let catalogue = asami_learners::catalogue();
     let Some(about) = catalogue.iter().find(|about| about.name == row.learner) else {
         let names: Vec<_> = catalogue.iter().map(|about| format!("`{}`", about.name)).collect();
@@ -92,8 +95,29 @@ fn learner(path: &str, row: &wire::Row, study: Study, learners: &Learners, fault
         faults
             .extend(own.map(|fault| Fault { path: fault.path.replacen(&place, &format!("{path}.with"), 1), ..fault }));
     }
-    let of_chapter_4 = about.needs == Needs::Both;
-    if of_chapter_4 != (study != Study::Line) && about.needs != Needs::Nothing {
+}
+
+/// What a row starts from, each with its place in the file: one row of the table for each.
+fn starts(path: &str, row: &wire::Row, faults: &mut Vec<Fault>) -> Vec<(Option<Start>, String)> {
+    match (&row.starts, row.start) {
+        (None, None) => vec![(None, format!("{path}.learner"))],
+        (None, Some(start)) => vec![(Some(start), format!("{path}.start"))],
+        (Some(starts), start) => {
+            if start.is_some() || starts.is_empty() {
+                let message = "a row must have start, or starts with at least one, not both";
+                fault(faults, &format!("{path}.starts"), message);
+            }
+            let place = |(i, start): (usize, &Start)| (Some(*start), format!("{path}.starts.{i}"));
+            starts.iter().enumerate().map(place).collect()
+        }
+    }
+}
+
+/// A learner must be for what is studied, and be given what it needs.
+fn takes(path: &str, row: &wire::Row, start: Option<Start>, place: &str, study: Study, faults: &mut Vec<Fault>) {
+    let catalogue = asami_learners::catalogue();
+    let Some(about) = catalogue.iter().find(|about| about.name == row.learner) else { return };
+    if (about.needs == Needs::Both) != (study != Study::Line) && about.needs != Needs::Nothing {
         let message = format!("learner {} is not for study \"{}\"", about.name, study.name());
         return fault(faults, &format!("{path}.learner"), message);
     }
@@ -103,9 +127,8 @@ fn learner(path: &str, row: &wire::Row, study: Study, learners: &Learners, fault
         Needs::Sensor => "start = \"reference_cubic\"",
         Needs::Both => "start = \"published\" or another of chapter 4's",
     };
-    if row.start.map_or(about.needs != Needs::Nothing, |start| !start.fits(about.needs)) {
-        let start = row.start.map_or("none", Start::name);
-        let message = format!("learner {} takes {needs}, not {start}", about.name);
-        fault(faults, &format!("{path}.{}", if row.start.is_some() { "start" } else { "learner" }), message);
+    if start.map_or(about.needs != Needs::Nothing, |start| !start.fits(about.needs)) {
+        let start = start.map_or("none", Start::name);
+        fault(faults, place, format!("learner {} takes {needs}, not {start}", about.name));
     }
 }

@@ -6,6 +6,7 @@ pub mod rows;
 pub mod tables;
 
 use asami_dataset::{Dataset, Log, Models, Survey};
+use asami_learners::em::consistency::nis_in_plane;
 use asami_learners::line::Unit;
 use serde::{Deserialize, Serialize};
 
@@ -66,6 +67,10 @@ impl Study for InPlane {
 
     fn faults(scenario: &Scenario, _: &Row, yardstick: &Yardstick, models: &Models, scores: &Scores) -> Vec<String> {
         yardstick.faults(models, scores, scenario.divergence.r2_min)
+    }
+
+    fn inspect(log: &Log, models: &Models, scores: &mut Scores) {
+        scores.nis = nis_in_plane(log, models);
     }
 
     /// The floor: the best cubic f; and what starting models are as they are.
