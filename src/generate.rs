@@ -90,8 +90,7 @@ pub fn generate(scenario: &Scenario, settings: &[Setting], seed: Seed) -> Result
     dataset.provenance = Some(scenario.provenance(seed));
     // A survey takes minutes: a data set has one where one of this very world, effects and all, is kept.
     let folders = ["results/reference", "results"].map(|results| repository().join(results).join(&scenario.name));
-    let key = survey::key(&simulation).map_err(|error| CannotGenerate::World(error.to_string()))?;
-    dataset.truth.survey = survey::kept(&key, &folders);
+    dataset.truth.survey = survey::at_hand(&simulation, &folders).map_err(|e| CannotGenerate::World(e.to_string()))?;
     Ok(dataset)
 }
 

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use asami_dataset::{Log, Models, Seed};
 use asami_learners::{CannotLearn, Learned, Learners, Needs, catalogue};
 
-use crate::scenario::Start;
 use crate::scenario::fault::nearest;
+use crate::scenario::{Start, Starting};
 
 /// What to learn with.
 #[derive(Clone, Debug, Default)]
@@ -43,6 +43,14 @@ pub enum Refusal {
         /// What, and how.
         what: &'static str,
     },
+    /// It cannot start from that.
+    #[error("{learner} cannot start from {start}")]
+    WrongStart {
+        /// The learner.
+        learner: String,
+        /// The start asked for.
+        start: &'static str,
+    },
     /// The log lacks something.
     #[error("{learner} cannot learn from this log: {why}")]
     CannotLearn {
@@ -76,8 +84,15 @@ pub fn learn(log: &Log, request: &Request) -> Result<Learned, Refusal> {
         let messages: Vec<String> = faults.into_iter().map(|fault| fault.message).collect();
         Refusal::Parameter(format!("{name}: {}", messages.join("; ")))
     })?;
-    let start = request.start.and_then(Start::models).and_then(|start| start.action);
-    let given = Models { action: start.or_else(|| request.given.action.clone()), ..request.given.clone() };
+    if let Some(start) = request.start.filter(|start| !start.fits(about.needs)) {
+        return Err(Refusal::WrongStart { learner: name.to_owned(), start: start.name() });
+    }
+    let cannot = |why| Refusal::CannotLearn { learner: name.to_owned(), why };
+    let given = match request.start {
+        Some(start) if about.needs == Needs::Both => Starting::default().models(start, log).map_err(cannot)?,
+        Some(start) => Models { action: start.models().and_then(|it| it.action), ..request.given.clone() },
+        None => request.given.clone(),
+    };
     let not_given = |what| Err(Refusal::NotGiven { learner: name.to_owned(), what });
     match about.needs {
         Needs::Action if given.action.is_none() => {
@@ -85,10 +100,10 @@ pub fn learn(log: &Log, request: &Request) -> Result<Learned, Refusal> {
         }
         Needs::Sensor if given.sensor.is_none() => return not_given("a sensor model: --given MODELS"),
         Needs::Both if given.action.is_none() || given.sensor.is_none() => {
-            return not_given("action, sensor and noise models to start from: --given MODELS");
+            return not_given("action, sensor and noise models: --start published, attempted, ..., or --given MODELS");
         }
         _ => {}
     }
     let mut rng = Seed(request.seed).stream(&format!("learner/{name}"));
-    learner.learn(log, &given, &mut rng).map_err(|why| Refusal::CannotLearn { learner: name.to_owned(), why })
+    learner.learn(log, &given, &mut rng).map_err(cannot)
 }

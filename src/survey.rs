@@ -96,9 +96,23 @@ impl Surveyor<'_> {
 const SURVEY: &str = "survey.toml";
 const KEY: &str = "survey.key";
 
-/// A survey kept under `key` in one of `folders`.
-pub fn kept<'a>(key: &str, folders: impl IntoIterator<Item = &'a PathBuf>) -> Option<Survey> {
-    kept_as(key, folders, SURVEY, KEY)
+/// The survey of `simulation`'s world, where it costs nothing: one kept in one of `folders`, or one that is exact.
+///
+/// # Errors
+/// If the robot cannot be built.
+pub fn at_hand<'a>(
+    simulation: &Simulation,
+    folders: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<Option<Survey>, BuildError> {
+    match simulation.robot {
+        Robot::Plain => Ok(Some(exact(simulation))),
+        Robot::Aibo => Ok(kept_as(&key(simulation)?, folders, SURVEY, KEY)),
+    }
+}
+
+fn exact(simulation: &Simulation) -> Survey {
+    let how = &simulation.survey;
+    simulation.plain_at(Start::default(), Seed(how.seed)).survey(how)
 }
 
 fn kept_as<'a>(
@@ -140,7 +154,7 @@ pub fn key(simulation: &Simulation) -> Result<String, BuildError> {
 pub fn make(simulation: &Simulation, jobs: Option<usize>, say: &(dyn Fn(&str) + Sync)) -> Result<Survey, CannotSurvey> {
     let how = &simulation.survey;
     if simulation.robot == Robot::Plain {
-        return Ok(simulation.plain_at(Start::default(), Seed(how.seed)).survey(how));
+        return Ok(exact(simulation));
     }
     let commands = how.commands_m_per_s();
     let timings = how.timings as usize;

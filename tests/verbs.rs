@@ -111,6 +111,35 @@ fn what_learn_writes_score_reads_and_finds_good() {
     }
 }
 
+/// Generate, learn, score: chapter 4 in the plane, as a user goes about it.
+#[test]
+fn a_field_is_generated_learned_from_and_scored() {
+    let dir = tempfile::tempdir().unwrap();
+    let (file, set, models) = (dir.path().join("short.toml"), dir.path().join("field"), dir.path().join("models.toml"));
+    let scenario = include_str!("../scenarios/plain_2d.toml");
+    let scenario =
+        scenario.replace("duration_s = 900", "duration_s = 400").replace("sigma2_rad = 0.5", "sigma2_rad = 0.1");
+    std::fs::write(&file, scenario).unwrap();
+    let generated = run(env!("CARGO_BIN_EXE_generate"), &[text(&file), "--seed", "1000", "-o", text(&set)]);
+    assert_eq!(generated.status.code(), Some(0), "{}", said(&generated));
+    // The plain robot's truth is exact and costs nothing: it is always there.
+    assert_eq!(store::read(&set).unwrap().truth.survey.unwrap().velocity_by_action.len(), 40);
+
+    let learn = |start: &[&str]| {
+        let arguments = [&[text(&set), "--learner", "em_rts", "-o", text(&models)], start].concat();
+        run(env!("CARGO_BIN_EXE_learn"), &arguments)
+    };
+    refused(&learn(&[]), "em_rts needs action, sensor and noise models: --start published");
+    refused(&learn(&["--start", "sgn"]), "em_rts cannot start from sgn");
+    let learned = learn(&["--start", "attempted", "--set", "max_iterations=30"]);
+    assert_eq!(learned.status.code(), Some(0), "{}", said(&learned));
+    let scored = run(env!("CARGO_BIN_EXE_score"), &[text(&models), text(&set)]);
+    let table = stdout(&scored);
+    for part in ["v_theta", "rad/s", "sigma_1 (px): ", "true 1.0000", "normalised innovations", "em_rts: converged"] {
+        assert!(table.contains(part), "{part:?} is not in\n{table}{}", said(&scored));
+    }
+}
+
 #[test]
 fn learners_are_not_told_the_truth() {
     let dir = tempfile::tempdir().unwrap();
@@ -179,7 +208,8 @@ fn what_cannot_be_learned_or_scored_is_said_in_a_sentence() {
     let score = || run(env!("CARGO_BIN_EXE_score"), &[text(&models), text(&set)]);
     refused(&score(), "the data set has no truth about the models");
     store::write(&walk(), &set).unwrap();
-    store::write_models("x", &Models { action: None, ..identity }, &models).unwrap();
+    let ranges = SensorModel::RangeOfDistance(Polynomial::plain(vec![0.0, 1.0]).into());
+    store::write_models("x", &Models { sensor: Some(ranges), ..Models::default() }, &models).unwrap();
     refused(&score(), "nothing to score");
 
     let sightings = set.join("sightings.csv");

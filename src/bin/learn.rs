@@ -19,6 +19,7 @@ use clap::Parser;
     after_help = "Examples:
   learn results/walk --learner canonical
   learn results/walk --learner algorithm1 --start sgn --set gamma=0.9995 -o sgn.toml
+  learn results/field --learner em_best --start attempted
   list learners        every learner with its parameters"
 )]
 struct Arguments {
@@ -27,7 +28,7 @@ struct Arguments {
     /// The learner
     #[arg(long, value_name = "NAME")]
     learner: String,
-    /// Starting action model: A(c) = c, Sgn(c) or 1
+    /// Starting models: chapter 3's c, sgn or one; chapter 4's published, attempted, ...
     #[arg(long, value_parser = start)]
     start: Option<Start>,
     /// Models that the learner is given, to start from or as known
@@ -47,8 +48,9 @@ struct Arguments {
 }
 
 fn start(text: &str) -> Result<Start, String> {
-    let starts = [Start::C, Start::Sgn, Start::One];
-    starts.into_iter().find(|start| start.name() == text).ok_or_else(|| "must be c, sgn or one".to_owned())
+    let starts: Vec<Start> = [Start::C, Start::Sgn, Start::One].into_iter().chain(Start::CHAPTER_4).collect();
+    let names = || starts.iter().map(|start| start.name()).collect::<Vec<_>>().join(", ");
+    starts.iter().copied().find(|start| start.name() == text).ok_or_else(|| format!("must be one of {}", names()))
 }
 
 fn main() -> ExitCode {

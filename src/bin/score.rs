@@ -11,7 +11,7 @@ use clap::Parser;
 /// Scores learned models against a data set's truth: its survey or, for what was not surveyed, the
 /// true track under the log.
 ///
-/// The action model is scored as k A(c), the sensor model as a + b S(o), with the k, a and b that fit
+/// Chapter 4's models in the plane are scored as they are. Of chapter 3's, the action model is scored as k A(c), the sensor model as a + b S(o), with the k, a and b that fit
 /// best; floors are the best polynomials of the same degree. S(o) is a place that grows as the robot
 /// walks forward.
 #[derive(Parser)]

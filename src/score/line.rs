@@ -1,16 +1,12 @@
-//! Learned models against a data set's truth, as a small table.
+//! Chapter 3's models, after scaling.
 
 use std::fmt::Write;
 
 use asami_dataset::{ActionModel, Dataset, Log, Models, SensorModel};
 
+use super::NotScored;
 use crate::scenario::Divergence;
 use crate::scorer::line::{Scores, Yardstick};
-
-/// A data set without truth about either model.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct NotScored(String);
 
 /// One part of the models with its score.
 struct Line {
@@ -24,12 +20,8 @@ struct Line {
     scale: Option<f64>,
 }
 
-/// The score of `models` on `log`, a part of `dataset`'s, as text.
-///
-/// # Errors
-/// [`NotScored`] where the data set has no truth about the models, or the models are of kinds that its
-/// truth does not measure.
-pub fn table(learner: &str, models: &Models, log: &Log, dataset: &Dataset) -> Result<String, NotScored> {
+/// As [`table`](super::table).
+pub(super) fn table(learner: &str, models: &Models, log: &Log, dataset: &Dataset) -> Result<String, NotScored> {
     let yardstick = Yardstick::of(log, &dataset.truth);
     if yardstick.sensor.is_empty() && yardstick.action.is_empty() {
         let message = "the data set has no truth about the models: neither speeds and heights in survey.toml \
