@@ -4,12 +4,16 @@ use std::fmt::Write;
 use std::path::Path;
 
 use asami_dataset::parameters::{Parameter, Parameters};
+use asami_sim::drives::explore::Exploring;
 use asami_sim::drives::pace::Pacing;
+use asami_sim::drives::suite::Suite;
 use asami_sim::robots::aibo::config::AiboConfig;
+use asami_sim::robots::plain::PlainConfig;
 use asami_sim::sensors::camera::CameraConfig;
+use asami_sim::survey::Surveying;
 
 use crate::import;
-use crate::scenario::{self, Origin, Robot};
+use crate::scenario::{self, Origin, Placement, Robot, Starting};
 
 /// A kind of thing that can be listed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -63,6 +67,8 @@ fn learners() -> String {
         entry(&mut text, about.name, about.what, &[("given", &needs), ("source", about.source)]);
         parameters(&mut text, about.parameters);
     }
+    text.push_str("\nStarting models of chapter 4\n  [starting]\n");
+    parameters(&mut text, Starting::table());
     text
 }
 
@@ -96,7 +102,22 @@ fn robots() -> String {
         let _ = writeln!(text, "  [aibo.{name}]");
         parameters(&mut text, table);
     }
-    for (name, table) in [("camera", CameraConfig::table()), ("drive", Pacing::table())] {
+    let what = "The dissertation's own simulator (section 4.4.2): kinematics and Gaussian noise, truth exact";
+    entry(&mut text, Robot::Plain.name(), what, &[]);
+    for (name, table) in PlainConfig::tables() {
+        let _ = writeln!(text, "  [plain.{name}]");
+        parameters(&mut text, table);
+    }
+    let tables = [
+        ("camera", CameraConfig::table()),
+        ("drive", Pacing::table()),
+        ("explore", Exploring::table()),
+        ("suite", Suite::table()),
+        ("start", Placement::table()),
+        ("survey", Surveying::table()),
+    ];
+    text.push_str("\nTables of all robots\n");
+    for (name, table) in tables {
         let _ = writeln!(text, "  [{name}]");
         parameters(&mut text, table);
     }

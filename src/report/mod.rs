@@ -2,9 +2,12 @@
 //! and data are all inside, so that it opens offline and can be mailed, archived or printed.
 
 pub mod both_at_once;
+pub mod chapter4;
 pub mod exhibits;
 mod html;
 pub mod one_at_a_time;
+pub mod plane;
+pub mod stride;
 pub mod sweep;
 pub mod table;
 

@@ -15,6 +15,7 @@ use crate::sweep::line::Outcome;
 use crate::sweep::line::table::{self, Line, MeanSd};
 use crate::sweep::manifest::{self, Manifest};
 use crate::sweep::spread::Spread;
+use crate::sweep::verdict::Verdict;
 use crate::sweep::{CannotSweep, Whose};
 use crate::trial::Ending;
 
@@ -27,9 +28,14 @@ pub fn write(outcome: &Outcome, exhibits: &Exhibits, program: &str, out: &Path) 
     let (report, figures) = report(outcome, &manifest, exhibits);
     let failed = |error: CannotWrite| CannotSweep::file("write", &error.path)(error.source);
     report.write(&out.join("report.html")).map_err(failed)?;
+    write_plates(figures.iter().map(Plate::from).chain(exhibits.walk.iter().cloned()), out)
+}
+
+/// Writes what is worth files of its own as `figures/*.svg` under `out`.
+pub(super) fn write_plates(plates: impl Iterator<Item = Plate>, out: &Path) -> Result<(), CannotSweep> {
     let folder = out.join("figures");
     std::fs::create_dir_all(&folder).map_err(CannotSweep::file("make", &folder))?;
-    for plate in figures.iter().map(Plate::from).chain(exhibits.walk.iter().cloned()) {
+    for plate in plates {
         let name = plate.name.to_lowercase().replace(", ", "_").replace([' ', '.'], "_");
         write_whole(&folder.join(format!("{name}.svg")), plate.svg().as_bytes())?;
     }
@@ -44,7 +50,7 @@ pub fn report(outcome: &Outcome, manifest: &Manifest, exhibits: &Exhibits) -> (R
     let mut report =
         Report::new(&scenario.name, &scenario.about).answer(answer(outcome)).section(table_section(outcome));
     if !outcome.verdicts.is_empty() {
-        report = report.section(verdicts_section(outcome));
+        report = report.section(verdicts_section(&outcome.verdicts));
     }
     if !exhibits.walk.is_empty() {
         report = report.section(walk_section(outcome, exhibits));
@@ -185,12 +191,12 @@ fn hint(spread: Option<&Spread>) -> String {
     format!("median {median:.1}\ninterquartile mean {middle:.1}{}", interval.unwrap_or_default())
 }
 
-fn verdicts_section(outcome: &Outcome) -> Section {
+pub(super) fn verdicts_section(verdicts: &[Verdict]) -> Section {
     let table = Table::new("Expected answers", &["claim", "came out"]).caption(
         "What the scenario file expects of its rows, and what was found. A `no` is a finding, or a bug; or it is for \
              want of logs: no paired test can hold on fewer than six.",
     );
-    Section::new("Expected answers").table(outcome.verdicts.iter().fold(table, |table, verdict| {
+    Section::new("Expected answers").table(verdicts.iter().fold(table, |table, verdict| {
         table.row(RowKind::Ours, [verdict.claim.clone().into(), if verdict.holds { "yes" } else { "no" }.into()])
     }))
 }
@@ -229,7 +235,7 @@ fn both_section(outcome: &Outcome, figures: &[Figure]) -> Section {
 }
 
 /// Wide figures alone, the others in pairs.
-fn arranged(mut section: Section, plates: impl IntoIterator<Item = Plate>) -> Section {
+pub(super) fn arranged(mut section: Section, plates: impl IntoIterator<Item = Plate>) -> Section {
     let mut pair: Vec<Plate> = Vec::new();
     for plate in plates {
         if plate.is_wide() {
@@ -274,7 +280,7 @@ fn comparisons_section(outcome: &Outcome) -> Section {
 }
 
 /// The measured models, where there are any.
-fn survey_sections(survey: &Survey) -> Option<Section> {
+pub(super) fn survey_sections(survey: &Survey) -> Option<Section> {
     let speeds = Table::new("Speeds", &["command (mm/s)", "speed (mm/s)", "sd (mm/s)", "timings"]).caption(
         "Timed between two lines (section 3.3.2). The dissertation's standard deviations never exceeded 7 mm/s.",
     );
@@ -321,7 +327,7 @@ fn trials_section(outcome: &Outcome) -> Section {
     Section::new("Every trial").folded().table(table)
 }
 
-fn made_with(report: Report, manifest: &Manifest) -> Report {
+pub(super) fn made_with(report: Report, manifest: &Manifest) -> Report {
     let commit = manifest.commit.clone().unwrap_or_else(|| "unknown".to_owned());
     let dirty = if manifest.dirty == Some(true) { ", with changes" } else { "" };
     report

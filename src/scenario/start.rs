@@ -159,29 +159,33 @@ impl Starting {
                 if start == Start::Attempted { action.attempted } else { [0.0; 3] };
             Some(Entry { action: action.id?, vx_m_per_s, vy_m_per_s, vtheta_rad_per_s, se: None })
         };
-        let slope_share = 1.0 - self.worse_share * start.steps_worse();
-        let line = |middle: f64, slope: f64| {
-            let slope = slope * slope_share;
-            Polynomial::plain(vec![middle - slope * self.mid_m, slope]).into()
-        };
         let motion = [self.motion_right_sd_m, self.motion_forward_sd_m, self.motion_turn_sd_rad];
         let noise = Noise {
             sigma2_rad: Some(self.sigma2_rad),
             motion_sd: Some(motion.map(|sd| sd * start.motion_factor())),
             ..Noise::default()
         };
-        let (sensor, noise) = match plane.unit {
-            Unit::HeightPx => (
-                SensorModel::HeightOfDistance(line(self.f_mid_px, -self.f_fall_px_per_m)),
-                Noise { sigma1_px: Some(self.sigma1_px), ..noise },
-            ),
-            Unit::RangeM => (
-                SensorModel::RangeOfDistance(line(self.f_mid_m, self.f_rise_m_per_m)),
-                Noise { sigma1_m: Some(self.sigma1_m), ..noise },
-            ),
+        let noise = match plane.unit {
+            Unit::HeightPx => Noise { sigma1_px: Some(self.sigma1_px), ..noise },
+            Unit::RangeM => Noise { sigma1_m: Some(self.sigma1_m), ..noise },
         };
         let entries = plane.actions.iter().filter_map(entry).collect();
-        Ok(Models { action: Some(ActionModel::Table(entries)), sensor: Some(sensor), noise })
+        let sensor = Some(self.sensor(start, plane.unit));
+        Ok(Models { action: Some(ActionModel::Table(entries)), sensor, noise })
+    }
+
+    /// The linear f that a learner starts from.
+    #[must_use]
+    pub fn sensor(&self, start: Start, unit: Unit) -> SensorModel {
+        let slope_share = 1.0 - self.worse_share * start.steps_worse();
+        let line = |middle: f64, slope: f64| {
+            let slope = slope * slope_share;
+            Polynomial::plain(vec![middle - slope * self.mid_m, slope]).into()
+        };
+        match unit {
+            Unit::HeightPx => SensorModel::HeightOfDistance(line(self.f_mid_px, -self.f_fall_px_per_m)),
+            Unit::RangeM => SensorModel::RangeOfDistance(line(self.f_mid_m, self.f_rise_m_per_m)),
+        }
     }
 }
 

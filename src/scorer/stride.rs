@@ -24,6 +24,8 @@ pub struct Scores {
     pub sensor_rmse_px: Option<f64>,
     /// Share of the mean heights' variance that `f(a + b d)` explains.
     pub sensor_r2: Option<f64>,
+    /// `a`, in units of the learner's.
+    pub sensor_offset: Option<f64>,
     /// `b`: units of the learner's to a metre.
     pub sensor_scale: Option<f64>,
 }
@@ -103,7 +105,8 @@ impl Yardstick {
         let Some([a, b]) = alignment(f, &self.heights) else { return };
         let pairs: Vec<[f64; 2]> = self.heights.iter().map(|[d, height]| [f.at(a + b * d), *height]).collect();
         if let Some((rmse, r2)) = rmse_and_r2(&pairs) {
-            (scores.sensor_rmse_px, scores.sensor_r2, scores.sensor_scale) = (Some(rmse), r2, finite(b));
+            (scores.sensor_rmse_px, scores.sensor_r2) = (Some(rmse), r2);
+            (scores.sensor_offset, scores.sensor_scale) = (finite(a), finite(b));
         }
     }
 

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::outcome::Outcome;
 use super::tally::{self, Group, Tallied};
 use super::{CannotSweep, Finished, Record, Results};
+use crate::report;
 use crate::scenario::{Era, Row, Scenario, Start};
 use crate::scorer::plane::{Scores, Yardstick};
 use crate::study::{Finishing, Reference, Study};
@@ -90,6 +91,9 @@ impl Study for InPlane {
         let compared = ["vx_rmse_mm_per_s", "vy_rmse_mm_per_s", "vtheta_rmse_rad_per_s"];
         let outcome = Outcome::of(results, &tables::TABLES, published, ("em_published", &compared));
         outcome.write(&trials, finishing)?;
+        let footnote = "Errors are root mean squares against the truth as it is: landmarks stand at known places, so that \
+                        nothing needs scaling. Medians, means and standard deviations are over the trials that converged.";
+        report::chapter4::write(&outcome, &report::plane::figures(&outcome.results), footnote, finishing)?;
         Ok(outcome.finished())
     }
 }

@@ -12,6 +12,7 @@ use super::outcome::Outcome;
 use super::table::Published;
 use super::tally::{Group, Tallied};
 use super::{CannotSweep, Finished, Record, Results};
+use crate::report;
 use crate::scenario::{Era, Origin, Row, Scenario, Start};
 use crate::scorer::stride::{Scores, Yardstick};
 use crate::study::{Finishing, Reference, Study};
@@ -114,6 +115,9 @@ impl Study for Strides {
         let compared = ["action_rmse_mm_per_s", "sensor_rmse_px"];
         let outcome = Outcome::of(results, &[tables::TABLE], published, ("em_1d_published", &compared));
         outcome.write(&trials, finishing)?;
+        let footnote = "Errors are root mean squares after scaling: action models as k A(c), sensor models as f(a + b d), \
+                        with the k, a and b that fit the truth best (Stronger 2008, sections 3.3.2 and 4.4.3).";
+        report::chapter4::write(&outcome, &report::stride::figures(&outcome.results), footnote, finishing)?;
         Ok(outcome.finished())
     }
 }
