@@ -14,6 +14,7 @@ use asami_sim::survey::Surveying;
 use serde::{Deserialize, Serialize};
 
 use crate::binning::Binning;
+use crate::depths::Depths;
 
 /// Where a scenario's logs come from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -129,6 +130,8 @@ pub struct Recording {
     pub format: Option<String>,
     /// How commands that take any value become discrete actions.
     pub binning: Option<Binning>,
+    /// Whether what it calls ranges are depths.
+    pub depths: Option<Depths>,
     /// Whose logs are learned from and which landmarks are left in them; at least one part.
     pub parts: Vec<Part>,
     /// The pieces that learners are given.

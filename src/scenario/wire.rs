@@ -17,6 +17,7 @@ use serde::Deserialize;
 use toml::de::DeTable;
 
 use crate::binning::Binning;
+use crate::depths::Depths;
 
 use super::{Divergence, Era, Expect, Placement, Robot, Start, Starting, Study};
 
@@ -41,6 +42,8 @@ pub struct Wire {
     pub format: Option<String>,
     /// How commands that take any value become discrete actions.
     pub binning: Option<Binning>,
+    /// Whether the recording's ranges are depths.
+    pub depths: Option<Depths>,
     /// The robots whose logs are taken, of a recording of several.
     pub robots: Option<Vec<u16>>,
     /// Sets of landmarks; with each in turn, the log is learned from as if there were no others.

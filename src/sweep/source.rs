@@ -5,6 +5,7 @@ use std::path::Path;
 use asami_dataset::{Dataset, Log, Seed, Survey, Truth, store};
 use asami_sim::robots::aibo::blueprint::URDF;
 
+use crate::depths;
 use crate::import;
 use crate::report::exhibits::{self, Exhibits};
 use crate::scenario::{Part, Recording, Robot, Scenario, Simulation, Study, Window};
@@ -137,6 +138,12 @@ fn read(recording: &Recording, robot: Option<u16>, path: &Path) -> Result<Datase
         Some(importer) => importer.import(path, robot).map_err(|error| miette::miette!("{error}"))?.dataset,
         None => store::read(path).map_err(crate::verb::shown)?,
     };
+    if let Some(depths) = &recording.depths {
+        let mut robots: Vec<Option<u16>> = recording.parts.iter().map(|part| part.robot).collect();
+        robots.dedup();
+        let place = robots.iter().position(|it| *it == robot).unwrap_or_default();
+        whole.log = depths::ranges(&whole.log, depths.axis_of(place));
+    }
     if let Some(binning) = &recording.binning {
         whole.log = binning.binned(&whole.log);
     }

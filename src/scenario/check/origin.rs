@@ -89,8 +89,12 @@ fn recording(wire: &Wire, source: &str, faults: &mut Vec<Fault>) -> Option<Recor
     if let Some(binning) = &binning {
         binning.check("binning", faults);
     }
+    let depths = wire.depths.clone();
+    if let Some(depths) = &depths {
+        depths.check("depths", wire.robots.as_ref().map_or(1, Vec::len), faults);
+    }
     let cut = if faults.is_empty() { cut(windows) } else { Vec::new() };
-    Some(Recording { source: source.to_owned(), format: wire.format.clone(), binning, parts, windows: cut })
+    Some(Recording { source: source.to_owned(), format: wire.format.clone(), binning, depths, parts, windows: cut })
 }
 
 /// Every robot with every set of landmarks.
@@ -151,6 +155,7 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
         ("windows", wire.windows.is_some()),
         ("format", wire.format.is_some()),
         ("binning", wire.binning.is_some()),
+        ("depths", wire.depths.is_some()),
         ("robots", wire.robots.is_some()),
         ("landmarks", wire.landmarks.is_some()),
     ];

@@ -10,7 +10,7 @@ use asami_math::elementary::hypot;
 use asami_math::polynomial::Polynomial;
 use serde::{Deserialize, Serialize};
 
-use super::{finite, range, rmse_and_r2, square};
+use super::{finite, mean, range, rmse_and_r2, square};
 use crate::binning;
 use asami_dataset::truth::pose_at;
 
@@ -156,7 +156,8 @@ impl Yardstick {
     }
 
     /// The rules of divergence that `models` with `scores` break, the same for every learner: an R^2
-    /// below `r2_min`, or none though there is truth about the model.
+    /// below `r2_min`, or none though there is truth about the model. Errors of `v_x` and `v_y` are both held
+    /// against the greater variance of the two.
     #[must_use]
     pub fn faults(&self, models: &Models, scores: &Scores, r2_min: f64) -> Vec<String> {
         let mut faults = Vec::new();
@@ -166,8 +167,16 @@ impl Yardstick {
             None => faults.push(format!("{name} is not finite")),
         };
         if models.action.is_some() && !self.velocities.is_empty() {
-            for (i, name) in ["v_x", "v_y", "v_theta"].into_iter().enumerate() {
-                rule(name, scores.velocity_r2.map(|r2| r2[i]));
+            let variance = |i: usize| {
+                let centre = mean(self.velocities.iter().map(|velocity| three(velocity)[i]));
+                mean(self.velocities.iter().map(|velocity| square(three(velocity)[i] - centre)))
+            };
+            // A robot on wheels hardly moves sideways: there is next to no variance of v_x to explain.
+            let moved = variance(0).max(variance(1));
+            for (i, (name, against)) in
+                [("v_x", moved), ("v_y", moved), ("v_theta", variance(2))].into_iter().enumerate()
+            {
+                rule(name, scores.velocity_rmse.and_then(|rmse| finite(1.0 - square(rmse[i]) / against)));
             }
         }
         if models.sensor.is_some() && !self.sensor.is_empty() {
