@@ -19,6 +19,9 @@ use serde::{Deserialize, Serialize};
 pub struct Binning {
     /// Commands act so much later than they are given; absent: at once.
     pub delay_s: Option<f64>,
+    /// What an action really does is measured from so long after it began, as a stopwatch would be started on a robot
+    /// that moves steadily; absent: from its beginning.
+    pub settle_s: Option<f64>,
     /// Commands are averaged over steps of this length first; absent: they are taken as they are.
     pub step_s: Option<f64>,
     /// So many bands of forward speed, in force for equal times.
@@ -34,9 +37,12 @@ pub struct Binning {
 /// More bands than any log can tell apart.
 const MOST_CELLS: u16 = 64;
 
-/// Actions that motion capture saw for less have no true velocity, s: half of the "roughly four times for five seconds
-/// at a time" that each had in section 4.4.1.
-const LEAST_S: f64 = 10.0;
+/// Actions that motion capture saw for less have no true velocity, s: each had "roughly four times
+/// ... five seconds at a time" in section 4.4.1.
+const LEAST_S: f64 = 20.0;
+
+/// Times closer than this are one time.
+const SAME_S: f64 = 1e-6;
 
 impl Binning {
     /// Adds a fault for everything that is wrong; `path` is the table's place in the file.
@@ -45,8 +51,10 @@ impl Binning {
         if let Some(step_s) = self.step_s.filter(|step_s| !(0.001..=10.0).contains(step_s)) {
             fault("step_s", format!("step_s must lie in 0.001..=10 s, not {step_s}"));
         }
-        if let Some(delay_s) = self.delay_s.filter(|delay_s| !(0.0..=5.0).contains(delay_s)) {
-            fault("delay_s", format!("delay_s must lie in 0..=5 s, not {delay_s}"));
+        for (key, time_s) in [("delay_s", self.delay_s), ("settle_s", self.settle_s)] {
+            if let Some(time_s) = time_s.filter(|time_s| !(0.0..=5.0).contains(time_s)) {
+                fault(key, format!("{key} must lie in 0..=5 s, not {time_s}"));
+            }
         }
         let bands = [
             ("v_cells", self.v_cells, "v_edges_m_per_s", &self.v_edges_m_per_s),
@@ -189,16 +197,23 @@ fn band(edges: &[f64], value: f64) -> usize {
     edges.partition_point(|edge| *edge < value)
 }
 
-/// The mean velocity in the robot's frame while each action was in force, by the true track, in order of action;
-/// without actions that the track covers for less than 10 s.
+/// The mean velocity in the robot's frame while each action was in force, from `settle_s` after it began, by the true
+/// track, in order of action; without actions that the track covers for less than 20 s.
 ///
 /// A displacement is turned into the robot's frame by the mean of its headings before and after: exact for arcs, but
 /// for the chord's being shorter by the 24th part of the turn squared.
 #[must_use]
-pub fn velocities(log: &Log, track: &[TruePose]) -> Vec<Velocity> {
+pub fn velocities(log: &Log, track: &[TruePose], settle_s: f64) -> Vec<Velocity> {
     let mut moved: BTreeMap<u16, ([f64; 3], f64)> = BTreeMap::new();
+    let mut began = (None, f64::NEG_INFINITY);
     for pair in log.commands.windows(2) {
         let (Action::Wheels { id, .. } | Action::Legs { id, .. }) = pair[0].action else { continue };
+        if began.0 != Some(id) {
+            began = (Some(id), pair[0].t_s);
+        }
+        if pair[0].t_s < began.1 + settle_s - SAME_S {
+            continue;
+        }
         let (Some(id), Some(a), Some(b)) = (id, pose_at(track, pair[0].t_s), pose_at(track, pair[1].t_s)) else {
             continue;
         };

@@ -130,7 +130,7 @@ fn on_an_arc_the_velocity_is_along_the_heading() {
     let track: Vec<TruePose> = times.map(|t_s| if t_s < 30.0 { arc(t_s) } else { back(t_s) }).collect();
     let commands = (0..590).map(|n| wheels(0.1 * f64::from(n), if n < 300 { 0.4 } else { -0.2 }, 0.0)).collect();
     let log = by_quantiles(2, 1).binned(&log(commands, 59.0));
-    let found = velocities(&log, &track);
+    let found = velocities(&log, &track, 0.0);
     assert_eq!(found.iter().map(|it| it.action).collect::<Vec<_>>(), [0, 1]);
     let expected = [[0.0, -0.2, 0.0], [0.0, v, omega]];
     for (found, expected) in found.iter().zip(expected) {
@@ -146,7 +146,7 @@ fn an_action_that_was_hardly_seen_has_no_truth() {
     let track: Vec<TruePose> = (0..5)
         .map(|n| TruePose { t_s: 0.1 * f64::from(n), x_m: 0.0, y_m: 0.0, theta_rad: 0.0, v_m_per_s: None })
         .collect();
-    assert!(velocities(&by_quantiles(2, 1).binned(&log(commands, 0.4)), &track).is_empty());
+    assert!(velocities(&by_quantiles(2, 1).binned(&log(commands, 0.4)), &track, 0.0).is_empty());
 }
 
 #[test]
@@ -155,6 +155,27 @@ fn a_command_that_acts_later_is_dated_later() {
     let late = Binning { delay_s: Some(0.25), ..by_quantiles(2, 1) }.binned(&log);
     assert_eq!(late.commands.iter().map(|command| command.t_s).collect::<Vec<_>>(), [0.25, 1.25]);
     assert_eq!(ids(&late), ids(&by_quantiles(2, 1).binned(&log)));
+}
+
+#[test]
+fn a_robot_that_gets_going_late_is_timed_once_it_goes() {
+    // Told to go at 0.3 m/s for 4 s, then to stand for 4 s, it heeds each half a second late.
+    let speed = |t_s: f64| if t_s >= 0.5 && (t_s - 0.5).rem_euclid(8.0) < 4.0 { 0.3 } else { 0.0 };
+    let mut y_m = 0.0;
+    let track: Vec<TruePose> = (0..16_000)
+        .map(|n| {
+            let pose = TruePose { t_s: 0.01 * f64::from(n), x_m: 0.0, y_m, theta_rad: 0.0, v_m_per_s: None };
+            y_m += 0.01 * speed(pose.t_s + 0.005);
+            pose
+        })
+        .collect();
+    let commands = (0..1590).map(|n| wheels(0.1 * f64::from(n), if n % 80 < 40 { 0.3 } else { 0.0 }, 0.0)).collect();
+    let log = by_quantiles(2, 1).binned(&log(commands, 159.0));
+    let forward = |settle_s| velocities(&log, &track, settle_s).iter().map(|it| it.vy_m_per_s).collect::<Vec<_>>();
+    let (at_once, settled) = (forward(0.0), forward(0.5));
+    // Of each 4 s half a second belongs to the command before.
+    assert!((at_once[0] - 0.3 / 8.0).abs() < 2e-3 && (at_once[1] - 0.3 * 7.0 / 8.0).abs() < 2e-3, "{at_once:?}");
+    assert!(settled[0].abs() < 1e-9 && (settled[1] - 0.3).abs() < 1e-9, "{settled:?}");
 }
 
 #[test]

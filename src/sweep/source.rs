@@ -5,6 +5,7 @@ use std::path::Path;
 use asami_dataset::{Dataset, Log, Seed, Survey, Truth, store};
 use asami_sim::robots::aibo::blueprint::URDF;
 
+use crate::binning;
 use crate::depths;
 use crate::import;
 use crate::report::exhibits::{self, Exhibits};
@@ -146,6 +147,9 @@ fn read(recording: &Recording, robot: Option<u16>, path: &Path) -> Result<Datase
     }
     if let Some(binning) = &recording.binning {
         whole.log = binning.binned(&whole.log);
+        let velocity_by_action =
+            binning::velocities(&whole.log, &whole.truth.track, binning.settle_s.unwrap_or_default());
+        whole.truth.survey = Some(Survey { velocity_by_action, ..whole.truth.survey.unwrap_or_default() });
     }
     Ok(whole)
 }

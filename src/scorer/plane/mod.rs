@@ -65,7 +65,7 @@ impl Yardstick {
         };
         let surveyed = truth.survey.clone().unwrap_or_default();
         let velocities = match surveyed.velocity_by_action.is_empty() {
-            true => binning::velocities(log, &truth.track),
+            true => binning::velocities(log, &truth.track, 0.0),
             false => surveyed.velocity_by_action.clone(),
         };
         if unit == Unit::HeightPx && !surveyed.height_by_distance.is_empty() {
