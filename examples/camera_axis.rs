@@ -28,7 +28,7 @@ fn main() -> Result<(), Error> {
     let mut by_delay = vec![Vec::new(); robots];
     for delay_s in DELAYS_S {
         let binning = Binning { delay_s: Some(delay_s), ..recording.binning.clone().unwrap_or_default() };
-        let found = likelihoods(&scenario, &Recording { binning: Some(binning), ..recording.clone() })?;
+        let found = likelihoods(&scenario, &Recording { binning: Some(binning), ..(**recording).clone() })?;
         by_delay.iter_mut().zip(found).for_each(|(row, value)| row.push(value));
     }
     by_delay.iter().for_each(|row| println!("{}   greatest at {:.2} s", shown(row), peak(&DELAYS_S, row)));
@@ -37,7 +37,7 @@ fn main() -> Result<(), Error> {
     let mut by_axis = vec![Vec::new(); robots];
     for axis_rad in AXES_RAD {
         let depths = Some(Depths { axis_rad: vec![axis_rad] });
-        let found = likelihoods(&scenario, &Recording { depths, ..recording.clone() })?;
+        let found = likelihoods(&scenario, &Recording { depths, ..(**recording).clone() })?;
         by_axis.iter_mut().zip(found).for_each(|(row, value)| row.push(value));
     }
     by_axis.iter().for_each(|row| println!("{}   greatest at {:.3} rad", shown(row), peak(&AXES_RAD, row)));

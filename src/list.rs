@@ -127,7 +127,9 @@ fn robots() -> String {
 fn importers() -> String {
     let mut text = String::from("IMPORTERS (import NAME SOURCE -o DIR)\n");
     for importer in import::catalogue() {
-        entry(&mut text, importer.name, importer.what, &[("source", importer.source)]);
+        let robots: Vec<String> = importer.robots().iter().map(u16::to_string).collect();
+        let robots = if robots.is_empty() { "one".to_owned() } else { format!("--robot {}", robots.join(", ")) };
+        entry(&mut text, importer.name, importer.what, &[("robots", &robots), ("source", importer.source)]);
     }
     text
 }

@@ -8,6 +8,7 @@ use proptest::prelude::*;
 
 const AIBO: &str = include_str!("../scenarios/aibo_1d.toml");
 const BARFOOT: &str = include_str!("../scenarios/barfoot_1d.toml");
+const MRCLAM: &str = include_str!("../scenarios/mrclam.toml");
 const PLAIN: &str = include_str!("../scenarios/plain_2d.toml");
 
 fn shown(bad: &Bad) -> String {
@@ -167,6 +168,9 @@ fn rules_are_stated_with_the_value_and_the_remedy() {
         (BARFOOT, "[windows]", "landmarks = [[1, 2], [3, 4]]\n[windows]", "sets are told apart by their size"),
         (BARFOOT, "[windows]", "landmarks = [[1, 1]]\n[windows]", "at least one, and none twice"),
         (BARFOOT, "[windows]", "robots = [1, 1]\n[windows]", "robots must differ; 1 stands here twice"),
+        (MRCLAM, "0.033, ", "", "axis_rad must have one angle, or one for each of 5 robots, not 4"),
+        (MRCLAM, "[-0.1, 0.1]", "[0.1, -0.1]", "omega_edges_rad_per_s must be numbers that increase, not [0.1, -0.1]"),
+        (MRCLAM, "settle_s", "settle", "did you mean `settle_s`?"),
         (BARFOOT, "225.0", "200.0", "disjoint windows must not overlap: 200 < 75 + length_s 150"),
         (BARFOOT, "[75.0, 225.0, 375.0, 525.0]", "[]", "at least one start"),
         (BARFOOT, "[windows]", "[window]", "did you mean `windows`?"),

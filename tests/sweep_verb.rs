@@ -1,12 +1,13 @@
 //! The verb `sweep` as a user runs it: exit codes, being killed, a real robot's log.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use asami::scenario;
 use asami::sweep::line::carry_out;
-use asami::sweep::verb::{Asked, plan};
+use asami::sweep::verb::{self, Asked, plan};
 use asami::sweep::{Options, Silent};
 
 fn root() -> &'static Path {
@@ -91,6 +92,47 @@ fn killed_for_good_and_gone_on_with_is_as_never_stopped() {
     for name in ["trials.csv", "table_3_1.csv", "table_3_1.md", "table_3_1.tex", "statistics.csv"] {
         let [a, b] = [&whole, &stopped].map(|folder| std::fs::read(folder.join(name)).expect(name));
         assert!(a == b, "{name} differs");
+    }
+}
+
+/// The best learners on the logs of six real robots: what must hold of each of their trials.
+#[test]
+fn real_robots_in_the_plane_are_learned() {
+    let within = |row: &BTreeMap<String, String>, column: &str, most: f64| {
+        let value: f64 = row[column].parse().expect(column);
+        assert!(value <= most, "{column} {value} > {most}: {row:?}");
+    };
+    for (name, data, learner, start, trials) in
+        [("barfoot_2d", "barfoot_2d", "em_shared", "published", 2), ("mrclam", "mrclam6", "em_robust", "attempted", 5)]
+    {
+        let mut scenario = scenario::read(&root().join(format!("scenarios/{name}.toml"))).expect("shipped");
+        if !root().join("../shared/data").join(data).exists() {
+            eprintln!("skipped: the data of scenarios/{name}.toml are not there");
+            continue;
+        }
+        scenario.rows.retain(|row| row.label == learner && row.start.is_some_and(|it| it.name() == start));
+        scenario.expect.clear();
+        let plan = plan(scenario, &Asked::default()).expect("the data are sound");
+        let folder = tempfile::tempdir().expect("made");
+        let options = Options { out: folder.path().to_owned(), jobs: None, program: "test".into() };
+        assert!(!verb::carry_out(&plan, &options, &Silent).expect("files can be written").has_errors);
+        let mut reader = csv::Reader::from_path(folder.path().join("trials.csv")).expect("there");
+        let rows: Vec<BTreeMap<String, String>> = reader.deserialize().collect::<Result<_, _>>().expect("a table");
+        assert_eq!(rows.len(), trials);
+        for row in rows {
+            assert_eq!(row["converged"], "true", "{row:?}");
+            match name {
+                "barfoot_2d" => {
+                    within(&row, "vx_rmse_mm_per_s", 9.4);
+                    within(&row, "vy_rmse_mm_per_s", 13.4);
+                    within(&row, "vtheta_rmse_rad_per_s", 0.0183);
+                }
+                _ => {
+                    within(&row, "vx_rmse_mm_per_s", 5.0);
+                    within(&row, "vtheta_percent", 5.0);
+                }
+            }
+        }
     }
 }
 

@@ -22,7 +22,7 @@ pub enum Origin {
     /// Out of a simulated world, one log a seed.
     Simulated(Box<Simulation>),
     /// Out of a recorded log, one log a window.
-    Recorded(Recording),
+    Recorded(Box<Recording>),
 }
 
 /// The world of a scenario and how it is driven.

@@ -20,7 +20,7 @@ const WINDOW_EVERY: Parameter = number("overlapping_every_s", "s", (0.1, 36_000.
 /// Either a simulation or a recording: the keys of one are faults in the other.
 pub(super) fn origin(wire: &Wire, faults: &mut Vec<Fault>) -> Option<Origin> {
     match (&wire.source, wire.robot) {
-        (Some(source), None) => recording(wire, source, faults).map(Origin::Recorded),
+        (Some(source), None) => recording(wire, source, faults).map(Box::new).map(Origin::Recorded),
         (None, Some(robot)) => simulation(wire, robot, faults).map(Box::new).map(Origin::Simulated),
         (Some(_), Some(_)) => {
             fault(faults, "source", "source (a recorded log) and robot (a simulated one) exclude each other");
