@@ -34,6 +34,7 @@ impl EmBest {
             motion: MotionNoise::Learned { pooled_steps: self.pooled_steps },
             outliers: Outliers::Mixture,
             acceleration: Acceleration::Newton,
+            second_try: true,
             coefficients: self.degree as usize + 1,
             patience: self.patience,
             tolerance: self.tolerance,

@@ -35,6 +35,7 @@ impl EmShared {
             outliers: Outliers::Mixture,
             acceleration: Acceleration::Newton,
             structure: Structure::Smooth,
+            second_try: true,
             coefficients: self.degree as usize + 1,
             patience: self.patience,
             tolerance: self.tolerance,

@@ -32,6 +32,7 @@ pub mod world;
 
 use asami_dataset::{ActionModel, Log, Models, Rng};
 use asami_math::kalman::Gaussian;
+use nalgebra::SVector;
 
 use crate::learner::{CannotLearn, Lack, Learned, Step, Verdict};
 use crate::plane::Plane;
@@ -117,6 +118,9 @@ pub struct Em {
     pub acceleration: Acceleration,
     /// What the velocities of different actions have to do with each other.
     pub structure: Structure,
+    /// Whether learning is tried again where the robot seems to have been lost, or an action's velocity is unlike all
+    /// others'.
+    pub second_try: bool,
     /// Coefficients of `f`.
     pub coefficients: usize,
     /// Stops after so many iterations without a new best likelihood.
@@ -137,6 +141,7 @@ impl Default for Em {
             outliers: Outliers::Gate,
             acceleration: Acceleration::None,
             structure: Structure::Table,
+            second_try: false,
             coefficients: 4,
             patience: 50,
             tolerance: 0.0,
@@ -203,7 +208,7 @@ struct Run<'a, const N: usize, const M: usize, W> {
     weights: Vec<Weight>,
     /// The states given all data, of the last smoother.
     trajectory: Vec<Gaussian<N>>,
-    has_trajectory: bool,
+    stage: Stage,
     /// Room for the next.
     smoothed: Vec<Gaussian<N>>,
     /// Derivative of the log-likelihood by velocities and `f`, of the last iteration.
@@ -220,31 +225,77 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
             forward: Forward::new(plane.frames.len()),
             weights: vec![1.0; plane.sightings.len()],
             trajectory: vec![start::nowhere(); plane.frames.len()],
-            has_trajectory: false,
+            stage: Stage::Filters,
             smoothed: vec![start::nowhere(); plane.frames.len()],
             score: Vec::new(),
             kept: (Vec::new(), Vec::new(), None),
         }
     }
 
-    /// Iterates from `lambda` to convergence; the best model is returned (section 4.4.1).
-    fn learn(&mut self, mut lambda: Parameters<N>, rng: &mut Rng) -> Learned {
+    /// Learns from `lambda` on; the best model is returned (section 4.4.1).
+    fn learn(&mut self, lambda: Parameters<N>, rng: &mut Rng) -> Learned {
         let mut learned = Learned::default();
+        let mut best = self.converge(lambda.clone(), &mut learned, rng);
+        if self.em.second_try
+            && let Some(lambda) = self.tried_anew(&lambda, &best.1)
+        {
+            *self = Self::new(self.em, self.problem.world, self.problem.plane);
+            let again = self.converge(lambda, &mut learned, rng);
+            if again.0 > best.0 {
+                best = again;
+            }
+        }
+        learned.models = self.with_errors(best.1);
+        learned
+    }
+
+    /// Where to try again from. Where a great share of the sightings seemed false, or sizes
+    /// err much more than from one sighting to the next, the robot was lost: the `start`, with no
+    /// motion of any action, by which robots are lost less than by wrong motion. Else what was `found`, with no motion and the starting noise
+    /// for actions whose velocities are far from all others': a turning rate that brings the robot round between two looks is
+    /// a likelihood's maximum too. `None` where nothing is odd.
+    fn tried_anew(&self, start: &Parameters<N>, found: &Parameters<N>) -> Option<Parameters<N>> {
+        let noise = self.problem.plane.local_noise();
+        if found.false_share > LOST || found.size_var > POOR * noise * noise {
+            return Some(Parameters { velocity: vec![SVector::zeros(); start.velocity.len()], ..start.clone() });
+        }
+        let mut next = found.clone();
+        let mut odd = false;
+        for axis in 0..N {
+            let mut values: Vec<f64> = found.velocity.iter().map(|v| v[axis]).collect();
+            let middle = median(&mut values);
+            let mut off: Vec<f64> = values.iter().map(|v| (v - middle).abs()).collect();
+            let usual = median(&mut off);
+            for (a, v) in found.velocity.iter().enumerate() {
+                if (v[axis] - middle).abs() > ODD * usual {
+                    (next.velocity[a], next.motion_var[a]) = (SVector::zeros(), start.motion_var[a]);
+                    odd = true;
+                }
+            }
+        }
+        odd.then_some(next)
+    }
+
+    /// Iterates from `lambda` to convergence: the greatest log-likelihood, and the parameters.
+    fn converge(&mut self, mut lambda: Parameters<N>, learned: &mut Learned, rng: &mut Rng) -> (f64, Parameters<N>) {
         let mut best = (f64::NEG_INFINITY, lambda.clone());
         let mut pace = Pace::default();
         let (mut since_best, mut settled, mut last) = (0, 0, f64::NEG_INFINITY);
         for i in 0..self.em.max_iterations {
             if pace.jumped {
-                self.settle(&lambda);
+                self.settle(&lambda, SWEEPS);
+            }
+            if self.iterates() && i >= FILTERS_FIRST && (i - FILTERS_FIRST).is_multiple_of(LOOK_AGAIN_EVERY) {
+                self.look_again(&lambda);
             }
             let found = self.iterate(&lambda, i, rng);
-            learned.iterations = Some(i + 1);
+            learned.iterations = Some(learned.iterations.unwrap_or(0) + 1);
             since_best += 1;
             if let Some((log_likelihood, next)) = &found {
                 let models = lambda.models(self.problem.plane, None);
                 learned.history.push(Step { t_s: None, log_likelihood: Some(*log_likelihood), models });
                 // The likelihood of a part of the sightings is no rival to that of all.
-                let partial = i == 0 && self.em.outliers == Outliers::Gate || self.unjudged(i);
+                let partial = i == 0 && self.em.outliers == Outliers::Gate || self.preliminary(i);
                 if *log_likelihood > best.0 && !partial {
                     best = (*log_likelihood, lambda.clone());
                     since_best = 0;
@@ -256,7 +307,7 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
             let next = match self.em.acceleration {
                 Acceleration::None => found.map(|(_, next)| next),
                 // The first steps are long, and all over the place.
-                _ if i < UNACCELERATED => found.map(|(_, next)| next),
+                _ if i < UNACCELERATED || self.preliminary(i) => found.map(|(_, next)| next),
                 _ => self.accelerated(&lambda, found, &mut pace),
             };
             let Some(next) = next else {
@@ -264,13 +315,12 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
                 break;
             };
             let steady = self.em.acceleration == Acceleration::None || pace.steps > SETTLED;
-            if since_best >= self.em.patience || settled >= SETTLED && steady && !self.unjudged(i) {
+            if since_best >= self.em.patience || settled >= SETTLED && steady && !self.preliminary(i) {
                 break;
             }
             lambda = next;
         }
-        learned.models = self.with_errors(best.1);
-        learned
+        best
     }
 
     /// Remembers where the best parameters led, with the trajectory: a bad step must not leave its own behind, for
@@ -285,9 +335,42 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
 
     /// Brings the trajectory to where `lambda` has it, after a step too long for the one sweep of an E-step: the
     /// likelihood about another's trajectory may be far too great or too small.
-    fn settle(&mut self, lambda: &Parameters<N>) {
-        for _ in 0..SWEEPS {
+    fn settle(&mut self, lambda: &Parameters<N>, sweeps: u32) {
+        for _ in 0..sweeps {
             let _ = self.sweep(lambda, false, None);
+        }
+    }
+
+    /// Whether sweeps are linearised about the trajectory of the sweep before.
+    fn iterates(&self) -> bool {
+        matches!(self.em.expectation, Expectation::Iterated | Expectation::Averaged)
+    }
+
+    /// The E-step in use: an iterated smoother is no good before there is a trajectory to iterate about, and two
+    /// filters go astray less than one while the models are poor.
+    fn method(&self) -> Expectation {
+        match self.stage {
+            Stage::Filters if self.iterates() => Expectation::TwoFilters,
+            Stage::Smoother if self.iterates() => Expectation::Rts,
+            _ => self.em.expectation,
+        }
+    }
+
+    /// Takes the trajectory that an extended Kalman filter leads to if that makes the observations more likely. Where
+    /// the robot was lost once it stays lost otherwise: motion and sightings are linearised where it is thought to be.
+    fn look_again(&mut self, lambda: &Parameters<N>) {
+        let weights = self.weights.clone();
+        // Sightings that seemed false may have seemed so to a robot that was lost.
+        self.weights.fill(1.0);
+        self.settle(lambda, 1);
+        let (log_likelihood, trajectory) = (self.forward.log_likelihood, self.trajectory.clone());
+        let had_one = self.stage == Stage::Trajectory;
+        self.stage = Stage::Smoother;
+        self.settle(lambda, 1);
+        self.stage = Stage::Trajectory;
+        self.settle(lambda, SWEEPS + 1);
+        if had_one && self.forward.log_likelihood <= log_likelihood + 1.0 {
+            (self.weights, self.trajectory) = (weights, trajectory);
         }
     }
 
@@ -298,15 +381,17 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
         found: Option<(f64, Parameters<N>)>,
         pace: &mut Pace<N>,
     ) -> Option<Parameters<N>> {
-        let (log_likelihood, next) = match found {
-            Some((log_likelihood, next)) if log_likelihood >= pace.reference - FALLEN => (log_likelihood, next),
+        let (log_likelihood, next) = match (found, &self.kept.2) {
+            (Some((log_likelihood, next)), _) if log_likelihood >= pace.reference - FALLEN => (log_likelihood, next),
+            (Some(found), None) => found,
+            (None, None) => return None,
             // Back to the best, and slowly on from there.
-            _ => {
+            (_, Some(kept)) => {
                 self.weights.clone_from(&self.kept.0);
                 self.trajectory.clone_from(&self.kept.1);
                 // A step of EM proper may be worse too: it is taken nevertheless.
                 *pace = Pace { squarem: pace.squarem.slower(), ..Pace::default() };
-                return self.kept.2.clone();
+                return Some(kept.clone());
             }
         };
         pace.steps += 1;
@@ -319,6 +404,11 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
         let next = pace.squarem.advance(lambda, next);
         pace.jumped = pace.squarem.far;
         next
+    }
+
+    /// Whether the likelihood is not yet that of the iterations to come.
+    fn preliminary(&self, i: u32) -> bool {
+        self.unjudged(i) || self.iterates() && i < FILTERS_FIRST
     }
 
     /// Whether the mixture of true and false sightings has not come into play yet.
@@ -336,7 +426,10 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
             next.prior = first;
         }
         sums.velocities(plane, &mut next);
-        if let MotionNoise::Learned { pooled_steps } = self.em.motion {
+        // Two filters do not say how displacements vary.
+        if let (MotionNoise::Learned { pooled_steps }, false) =
+            (self.em.motion, self.method() == Expectation::TwoFilters)
+        {
             sums.motion(plane, pooled_steps, &mut next);
         }
         sums.sensor(&mut next);
@@ -381,13 +474,13 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
     /// Forward and back over the log once.
     fn sweep(&mut self, lambda: &Parameters<N>, gate: bool, sums: Option<&mut Sums<'_, N>>) -> Option<()> {
         let (problem, trajectory) = (self.problem, &self.trajectory);
-        let about = match self.em.expectation {
-            Expectation::Iterated if self.has_trajectory => About::Means(trajectory),
-            Expectation::Averaged if self.has_trajectory => About::States(trajectory),
-            _ => About::Own,
+        let about = match self.method() {
+            Expectation::Iterated => About::Means(trajectory),
+            Expectation::Averaged => About::States(trajectory),
+            Expectation::Rts | Expectation::TwoFilters => About::Own,
         };
         self.forward.run(problem, lambda, about, &mut self.weights, gate)?;
-        match (self.em.expectation, sums) {
+        match (self.method(), sums) {
             (Expectation::TwoFilters, None) => {}
             (Expectation::TwoFilters, Some(sums)) => {
                 two_filter::backward(problem, lambda, &self.forward, &self.weights, sums)?;
@@ -396,7 +489,6 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
                 let smoothed = &mut self.smoothed;
                 smoother::backward(problem, lambda, about, &self.forward, &self.weights, smoothed, sums)?;
                 std::mem::swap(&mut self.smoothed, &mut self.trajectory);
-                self.has_trajectory = true;
             }
         }
         Some(())
@@ -460,8 +552,39 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
     }
 }
 
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// A robot was lost that found more than this share of its sightings false.
+const LOST: f64 = 0.1;
+
+/// A robot was lost whose sizes' variance is so many times that from one sighting to the next.
+const POOR: f64 = 4.0;
+
+/// A velocity is odd that is so many times farther from the middle than usual.
+const ODD: f64 = 5.0;
+
+/// Where an iterated smoother stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// Two filters come first.
+    Filters,
+    /// A smoother makes a trajectory to start with.
+    Smoother,
+    /// Sweeps are linearised about the trajectory.
+    Trajectory,
+}
+
+/// Iterations with two filters, before any are linearised about a smoothed trajectory.
+const FILTERS_FIRST: u32 = 20;
+
+/// Iterations from one fresh look for a better trajectory to the next.
+const LOOK_AGAIN_EVERY: u32 = 25;
+
 /// Iterations before extrapolation.
-const UNACCELERATED: u32 = 10;
+const UNACCELERATED: u32 = 22;
 
 /// Iterations from one Newton step to the next.
 const NEWTON_EVERY: u32 = 12;

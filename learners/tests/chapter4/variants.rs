@@ -74,14 +74,14 @@ fn actions_that_share_err_less() {
 
 #[test]
 fn standard_errors_cover_the_truth() {
-    let walker = Walker { steps: 6_000, sigma2_rad: 0.2, cubic: true, ..Walker::default() };
+    let walker = Walker { cubic: true, ..Walker::default() };
     let mut covered = Vec::new();
-    for seed in 1012..1018 {
+    for seed in 1012..1017 {
         let learned = learn("em_best", &[], &walker.log(seed), &truth(&walker)).unwrap();
         assert_eq!(learned.verdict, Verdict::Converged);
         covered.push(score(&walker, &learned.models).covered);
     }
-    // 720 entries, those of one log tied to each other by f.
+    // 600 entries, those of one log tied to each other by f.
     let mean = covered.iter().sum::<f64>() / covered.len() as f64;
-    assert!((0.89..0.985).contains(&mean), "{covered:?}");
+    assert!((0.9..0.98).contains(&mean), "{covered:?}");
 }
