@@ -22,6 +22,8 @@ pub struct Agreement {
     pub sigma2_rad: f64,
     /// The range's line in the true distance: range at distance 0, and slope.
     pub line: [f64; 2],
+    /// Standard deviation about a line of the ranges that they would be if they were depths along the sensor's axis, m.
+    pub sigma1_of_depths_m: f64,
     /// Mean error of the bearing, rad.
     pub bearing_bias_rad: f64,
     /// How long the bearings run ahead of the motion capture, s.
@@ -36,6 +38,8 @@ struct Residual {
     distance_m: f64,
     range_m: f64,
     bearing_rad: f64,
+    /// Of the measured bearing.
+    cos_bearing: f64,
     /// Of the true bearing.
     rate_rad_per_s: f64,
 }
@@ -52,14 +56,19 @@ impl Agreement {
             return None;
         }
         let mean = |of: &dyn Fn(&Residual) -> f64| kept.iter().map(|it| of(it)).sum::<f64>() / kept.len() as f64;
-        let line = least_squares(2, kept.iter().map(|it| (vec![1.0, it.distance_m], it.range_m))).solve()?.coefficients;
-        let range_var_m2 = mean(&|it| (it.range_m - line[0] - line[1] * it.distance_m).powi(2));
+        let about_line = |of: &dyn Fn(&Residual) -> f64| {
+            let line = least_squares(2, kept.iter().map(|it| (vec![1.0, it.distance_m], of(it)))).solve()?.coefficients;
+            Some((mean(&|it| (of(it) - line[0] - line[1] * it.distance_m).powi(2)).sqrt(), line))
+        };
+        let (sigma1_m, line) = about_line(&|it| it.range_m)?;
+        let (sigma1_of_depths_m, _) = about_line(&|it| it.range_m / it.cos_bearing)?;
         let bias = mean(&|it| it.bearing_rad);
         let rate = mean(&|it| it.rate_rad_per_s);
         let covariance = mean(&|it| (it.bearing_rad - bias) * (it.rate_rad_per_s - rate));
         let variance = mean(&|it| (it.rate_rad_per_s - rate).powi(2));
         Some(Self {
-            sigma1_m: range_var_m2.sqrt(),
+            sigma1_m,
+            sigma1_of_depths_m,
             sigma2_rad: mean(&|it| (it.bearing_rad - bias).powi(2)).sqrt(),
             line: [line[0], line[1]],
             bearing_bias_rad: bias,
@@ -72,15 +81,24 @@ impl Agreement {
     /// What was found, a sentence each.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
-        let Self { sigma1_m, sigma2_rad, line: [offset_m, slope], bearing_bias_rad, lead_s, covered, mistaken } = self;
-        vec![
+        let Self { sigma1_m, sigma2_rad, line: [offset_m, slope], bearing_bias_rad, lead_s, covered, mistaken, .. } =
+            self;
+        let mut notes = vec![
             format!("found: {covered} sightings while motion capture saw the robot, {mistaken} of them mistaken"),
             format!(
                 "found: range = {offset_m:.4} m + {slope:.4} x distance, sd {sigma1_m:.4} m (survey.toml, sigma1_m)"
             ),
             format!("found: bearing {bearing_bias_rad:+.4} rad off, sd {sigma2_rad:.4} rad (survey.toml, sigma2_rad)"),
             format!("found: the bearings run ahead of the motion capture by {lead_s:.3} s; left as it is"),
-        ]
+        ];
+        if self.sigma1_of_depths_m < 0.5 * sigma1_m {
+            notes.push(format!(
+                "hint: divided by the cosine of the bearing the ranges' sd would be {:.4} m: they look like depths along \
+                 the sensor's axis; left as they are ([depths] in a scenario makes ranges of them)",
+                self.sigma1_of_depths_m
+            ));
+        }
+        notes
     }
 }
 
@@ -101,6 +119,7 @@ fn residual(log: &Log, track: &[TruePose], seen: &Sighting) -> Option<Residual> 
         distance_m,
         range_m: seen.size.value(),
         bearing_rad: wrap_rad(seen.bearing_rad - bearing_rad),
+        cos_bearing: sin_cos(seen.bearing_rad).1,
         rate_rad_per_s: wrap_rad(after_rad - before_rad) / (2.0 * RATE_HALF_S),
     })
 }

@@ -140,6 +140,7 @@ fn the_real_log_is_read_whole() {
     let imported = read(&source).unwrap();
     let Dataset { log, truth, .. } = &imported.dataset;
     assert_eq!((log.commands.len(), log.sightings.len(), truth.track.len()), (6300, 31280, 6128));
+    assert!(!imported.notes.join("\n").contains("look like depths"), "a laser measures ranges");
     let dir = tempfile::tempdir().unwrap();
     store::write(&imported.dataset, dir.path()).unwrap();
     assert_eq!(store::read(dir.path()).unwrap(), imported.dataset);

@@ -153,6 +153,8 @@ fn the_real_logs_are_read_whole() {
             "{robot}"
         );
         assert_eq!(log.known.landmarks.len(), 15);
+        let notes = imported.notes.join("\n");
+        assert!(notes.contains("they look like depths along the sensor's axis"), "{notes}");
         // Bearings are right to a degree or so only if frames and signs are.
         assert!(truth.survey.as_ref().unwrap().sigma2_rad.unwrap() < 0.02);
     }
