@@ -353,7 +353,7 @@ impl Table {
 /// Median, then mean and standard deviation in brackets.
 fn shown(entry: Option<&Entry>, column: &Column, interval: bool, plus_minus: &str) -> String {
     let decimals = column.decimals;
-    let (zero, spread) = (format!("{:.decimals$}", 0.0), !column.head.starts_with('%'));
+    let (zero, spread) = (format!("{:.decimals$}", 0.0), !column.head.starts_with(['%', 'x']));
     match entry {
         None => String::new(),
         Some(Entry::Printed(value)) => format!("{value:.decimals$}"),

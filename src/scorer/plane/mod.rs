@@ -1,6 +1,7 @@
 //! How far the models of chapter 4 are from the truth, as Stronger (2008), sections 4.4.1 and 4.4.2,
 //! measures it: as they are, without scaling, since landmarks stand at known places.
 
+pub mod bound;
 mod tracked;
 
 use asami_dataset::survey::{Height, Velocity};
@@ -53,6 +54,9 @@ pub struct Yardstick {
     pub sigma1: Option<f64>,
     /// True standard deviation of bearings, likewise.
     pub sigma2_rad: Option<f64>,
+    /// The least that an unbiased learner of the velocities can err with this log, where that is worked out
+    /// ([`bound::bound`]): right and forward in m/s, turn in rad/s.
+    pub bound: Option<[f64; 3]>,
 }
 
 impl Yardstick {
@@ -71,7 +75,8 @@ impl Yardstick {
         if unit == Unit::HeightPx && !surveyed.height_by_distance.is_empty() {
             let sensor = surveyed.height_by_distance.iter().map(|height| [height.distance_m, height.height_px]);
             let [sigma1, sigma2_rad] = weighted_sds(log, &truth.track, &surveyed);
-            return Self { unit, velocities, sensor: sensor.collect(), sigma1, sigma2_rad };
+            let sensor = sensor.collect();
+            return Self { unit, velocities, sensor, sigma1, sigma2_rad, bound: None };
         }
         let sensor = tracked::sensor(log, &truth.track);
         let sigma1 = sensor.sigma1.or(match unit {
@@ -79,7 +84,7 @@ impl Yardstick {
             Unit::RangeM => surveyed.sigma1_m,
         });
         let sigma2_rad = sensor.sigma2_rad.or(surveyed.sigma2_rad);
-        Self { unit, velocities, sensor: sensor.means, sigma1, sigma2_rad }
+        Self { unit, velocities, sensor: sensor.means, sigma1, sigma2_rad, bound: None }
     }
 
     /// Whether there is truth about anything.

@@ -153,3 +153,26 @@ fn a_track_tells_what_ranges_and_bearings_should_have_been() {
     }
     assert!(yardstick.sigma1.unwrap() < 1e-9 && yardstick.sigma2_rad.unwrap() < 1e-9);
 }
+
+/// Where all beacons are seen all but perfectly all the time, a velocity is as uncertain as the way made good is random: after `n` steps
+/// of `dt` with standard deviation `sd` each, `sd / (dt sqrt(n))`.
+#[test]
+fn the_bound_of_a_robot_that_sees_all_but_perfectly_is_that_of_its_motion() {
+    let text = include_str!("../../../scenarios/plain_2d.toml");
+    let all_round = "sigma1_px = 0.001\nview_rad = 6.2\nrecognised = 1.0\nnear_m = 0.5\nfar_m = 20.0";
+    let text = text.replace("sigma1_px = 1.0", all_round).replace("sigma2_rad = 0.5", "sigma2_rad = 0.0001");
+    let scenario = crate::scenario::parse("plain_2d", "plain_2d.toml", &text).unwrap();
+    let crate::scenario::Origin::Simulated(simulation) = &scenario.origin else { panic!("simulated") };
+    let log = simulation.dataset(asami_dataset::Seed(1000)).unwrap().log;
+    let survey = crate::survey::at_hand(simulation, &[]).unwrap().unwrap();
+    let yardstick = Yardstick::of(&log, &Truth { survey: Some(survey.clone()), ..Truth::default() });
+    let bound = bound::bound(&yardstick, &log, &survey).unwrap();
+
+    let plane = asami_learners::plane::Plane::try_from(&log).unwrap();
+    let sds = survey.motion_sd.unwrap();
+    for i in 0..3 {
+        let var = |held_s: f64| (sds[i] / 0.05).powi(2) / (held_s / 0.05);
+        let due = (plane.actions.iter().map(|action| var(action.held_s)).sum::<f64>() / 40.0).sqrt();
+        assert!((bound[i] / due - 1.0).abs() < 0.03, "direction {i}: {} for {due}", bound[i]);
+    }
+}

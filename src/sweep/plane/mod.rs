@@ -15,6 +15,7 @@ use super::tally::{self, Group, Tallied};
 use super::{CannotSweep, Finished, Record, Results};
 use crate::report;
 use crate::scenario::{Era, Row, Scenario, Start};
+use crate::scorer::plane::bound::bound;
 use crate::scorer::plane::{Scores, Yardstick};
 use crate::study::{Finishing, Reference, Study};
 use crate::trial::{Trial, of_scores};
@@ -36,6 +37,8 @@ pub struct Truth {
     pub velocity_ranges: Option<[f64; 3]>,
     /// Greatest less least mean size.
     pub size_range: Option<f64>,
+    /// The least that an unbiased learner of the velocities can err.
+    pub bound: Option<[f64; 3]>,
 }
 
 impl Study for InPlane {
@@ -44,7 +47,10 @@ impl Study for InPlane {
     type Truth = Truth;
 
     fn yardstick(_: &Scenario, dataset: &Dataset, _: Option<&Survey>) -> Yardstick {
-        Yardstick::of(&dataset.log, &dataset.truth)
+        let Dataset { log, truth, .. } = dataset;
+        let yardstick = Yardstick::of(log, truth);
+        let bound = truth.survey.as_ref().and_then(|survey| bound(&yardstick, log, survey));
+        Yardstick { bound, ..yardstick }
     }
 
     fn given(scenario: &Scenario, row: &Row, log: &Log, _: &Yardstick) -> Result<Models, String> {
@@ -59,6 +65,7 @@ impl Study for InPlane {
             sigma2_rad: yardstick.sigma2_rad,
             velocity_ranges: yardstick.velocity_ranges(),
             size_range: yardstick.size_range(),
+            bound: yardstick.bound,
         }
     }
 
@@ -74,14 +81,17 @@ impl Study for InPlane {
         scores.nis = nis_in_plane(log, models);
     }
 
-    /// The floor: the best cubic f; and what starting models are as they are.
+    /// The bound, where the truth is exact; the floor: the best cubic f; and what starting models are as they are.
     fn references(scenario: &Scenario, log: &Log, yardstick: &Yardstick) -> Vec<Reference<Scores>> {
         let floor = Models { sensor: yardstick.best_sensor(3), ..Models::default() };
         let starts = [Start::Published, Start::Attempted].into_iter();
         let unlearned = starts.filter_map(|start| Some((start, scenario.starting.models(start, log).ok()?)));
+        let bound = yardstick.bound.map(|bound| Scores { velocity_rmse: Some(bound), ..Scores::default() });
+        let bound = bound.map(|scores| Reference { name: "bound".to_owned(), start: None, scores });
         std::iter::once(("floor", None, floor))
             .chain(unlearned.map(|(start, models)| ("unlearned", Some(start), models)))
             .map(|(name, start, models)| Reference { name: name.to_owned(), start, scores: yardstick.score(&models) })
+            .chain(bound)
             .collect()
     }
 

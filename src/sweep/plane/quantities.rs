@@ -16,7 +16,7 @@ pub struct Quantity {
 }
 
 /// All of them, in the order of their columns.
-pub const QUANTITIES: [Quantity; 28] = [
+pub const QUANTITIES: [Quantity; 31] = [
     Quantity { name: "iterations", of: |trial, _| trial.iterations.map(f64::from) },
     Quantity { name: "vx_rmse_mm_per_s", of: |trial, _| Some(1e3 * trial.scores.velocity_rmse?[0]) },
     Quantity { name: "vy_rmse_mm_per_s", of: |trial, _| Some(1e3 * trial.scores.velocity_rmse?[1]) },
@@ -32,6 +32,9 @@ pub const QUANTITIES: [Quantity; 28] = [
     Quantity { name: "vx_percent", of: |trial, truth| percent(trial, truth, 0) },
     Quantity { name: "vy_percent", of: |trial, truth| percent(trial, truth, 1) },
     Quantity { name: "vtheta_percent", of: |trial, truth| percent(trial, truth, 2) },
+    Quantity { name: "vx_to_bound", of: |trial, truth| to_bound(trial, truth, 0) },
+    Quantity { name: "vy_to_bound", of: |trial, truth| to_bound(trial, truth, 1) },
+    Quantity { name: "vtheta_to_bound", of: |trial, truth| to_bound(trial, truth, 2) },
     Quantity { name: "sensor_percent", of: |trial, truth| Some(100.0 * trial.scores.sensor_rmse? / truth.size_range?) },
     Quantity { name: "sigma1_off_percent", of: |trial, truth| off(trial.scores.sigma1, truth.sigma1) },
     Quantity { name: "sigma2_off_percent", of: |trial, truth| off(trial.scores.sigma2_rad, truth.sigma2_rad) },
@@ -74,6 +77,11 @@ fn millimetres(truth: &Truth, size: Option<f64>) -> Option<f64> {
 
 fn percent(trial: &Trial, truth: &Truth, i: usize) -> Option<f64> {
     Some(100.0 * trial.scores.velocity_rmse?[i] / truth.velocity_ranges?[i])
+}
+
+/// An error as a multiple of the least that an unbiased learner can have.
+fn to_bound(trial: &Trial, truth: &Truth, i: usize) -> Option<f64> {
+    Some(trial.scores.velocity_rmse?[i] / truth.bound?[i])
 }
 
 /// How far a learned standard deviation is off, either way.

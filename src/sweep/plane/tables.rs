@@ -18,10 +18,13 @@ pub const TABLES: [Plan; 5] = [
         columns: &[
             column("vx_rmse_mm_per_s", "v_x (mm/s)", 2),
             column("vx_percent", "% of range", 2),
+            column("vx_to_bound", "x bound", 2),
             column("vy_rmse_mm_per_s", "v_y (mm/s)", 2),
             column("vy_percent", "% of range", 2),
+            column("vy_to_bound", "x bound", 2),
             column("vtheta_rmse_rad_per_s", "v_theta (rad/s)", 4),
             column("vtheta_percent", "% of range", 2),
+            column("vtheta_to_bound", "x bound", 2),
         ],
     },
     Plan {
