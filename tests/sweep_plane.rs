@@ -91,8 +91,10 @@ fn columns_are_those_agreed_and_tables_say_what_rows_say() {
     // The dissertation's numbers stand under the row that they are of, once.
     let table = rows(&folder.path().join("table_4_velocities.csv"));
     let sources: Vec<&str> = table.iter().map(|row| &*row["source"]).collect();
-    assert_eq!(sources, ["asami", "dissertation", "asami", "asami", "reference", "reference"]);
+    assert_eq!(sources, ["asami", "dissertation", "asami", "asami", "reference", "reference", "reference"]);
     assert_eq!(number(&table[1], "vx_rmse_mm_per_s_median"), 23.06);
+    assert_eq!([4, 5, 6].map(|i| &*table[i]["learner"]), ["unlearned", "unlearned", "bound"]);
+    assert_eq!(number(&table[6], "vx_to_bound_median"), 1.0);
     let mut of_third: Vec<f64> = trials
         .iter()
         .filter(|row| {
