@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use asami_dataset::store::{WriteError, read_survey, write_survey};
-use asami_dataset::{Seed, Sighting, Survey};
+use asami_dataset::survey::Velocity;
+use asami_dataset::{Action, Seed, Sighting, Survey};
 use asami_sim::drives::hold::Hold;
 use asami_sim::robots::aibo::blueprint::URDF;
 use asami_sim::robots::aibo::{BuildError, Start};
@@ -12,7 +13,7 @@ use asami_sim::survey::{self as measure, CannotSurvey as CannotMeasure};
 use asami_sim::world;
 use rayon::prelude::*;
 
-use crate::scenario::{Robot, Simulation};
+use crate::scenario::{Policy, Robot, Simulation};
 
 /// Why a world cannot be surveyed.
 #[derive(Debug, thiserror::Error)]
@@ -133,8 +134,8 @@ const PROBE_M_PER_S: f64 = 0.2;
 /// Its length: several strides, dozens of frames.
 const PROBE_S: f64 = 2.0;
 
-/// The hash of what a survey depends on: the world's numbers, its body, what is surveyed, and, since
-/// code counts too, every bit of the log of a short walk.
+/// The hash of what a survey depends on: the world's numbers, its body, what is surveyed, the discrete
+/// actions of a robot in the plane, and, since code counts too, every bit of the log of a short walk.
 ///
 /// # Errors
 /// If the robot cannot be built.
@@ -143,11 +144,21 @@ pub fn key(simulation: &Simulation) -> Result<String, BuildError> {
     let mut probe = simulation.before_beacon(survey.near_m, Seed(survey.seed))?;
     let walked = world::run(&mut *probe, &mut Hold::forward(PROBE_M_PER_S), PROBE_S);
     // Debug shows every number by its shortest round trip: what differs at all differs here.
-    let all = format!("{robot:?} {aibo:?} {camera:?} {field:?} {effects:?} {survey:?} {URDF} {walked:?}");
+    let actions = actions(simulation);
+    let all = format!("{robot:?} {aibo:?} {camera:?} {field:?} {effects:?} {survey:?} {actions:?} {URDF} {walked:?}");
     Ok(format!("blake3:{}", blake3::hash(all.as_bytes()).to_hex()))
 }
 
-/// Measures speeds and heights, in parallel; the same whatever the number of threads.
+/// Ids and discrete actions whose velocities are surveyed: those of a robot in the plane (section 4.4.1). Along a
+/// line forward speeds are timed instead.
+fn actions(simulation: &Simulation) -> Vec<(u16, Action)> {
+    match simulation.drive {
+        Policy::Explore(_) => (0..).zip(simulation.suite.actions()).collect(),
+        Policy::Pace(_) | Policy::Stride(_) => Vec::new(),
+    }
+}
+
+/// Measures speeds or velocities, and heights, in parallel; the same whatever the number of threads.
 ///
 /// # Errors
 /// [`CannotSurvey`] if the robot cannot be built or measured.
@@ -156,42 +167,53 @@ pub fn make(simulation: &Simulation, jobs: Option<usize>, say: &(dyn Fn(&str) + 
     if simulation.robot == Robot::Plain {
         return Ok(exact(simulation));
     }
-    let commands = how.commands_m_per_s();
-    let timings = how.timings as usize;
-    let walks: Vec<(f64, u64)> =
-        commands.iter().flat_map(|&command| std::iter::repeat_n(command, timings)).zip(how.seed..).collect();
+    let actions = actions(simulation);
+    let commands = if actions.is_empty() { how.commands_m_per_s() } else { Vec::new() };
     let distances_m = how.distances_m();
+    // Every measurement has a seed of its own.
+    let mut seeds = how.seed..;
+    let repeated = commands.iter().flat_map(|&command| std::iter::repeat_n(command, how.timings as usize));
+    let walks: Vec<(f64, u64)> = repeated.zip(&mut seeds).collect();
+    let turns: Vec<((u16, Action), u64)> = actions.into_iter().zip(&mut seeds).collect();
     let placements = distances_m.iter().flat_map(|&distance_m| (0..how.placements).map(move |n| (distance_m, n)));
-    let stands: Vec<((f64, u32), u64)> = placements.zip(how.seed + walks.len() as u64..).collect();
-    let progress = Count { done: AtomicUsize::new(0), of: walks.len() + stands.len(), say };
+    let stands: Vec<((f64, u32), u64)> = placements.zip(&mut seeds).collect();
+    let progress = Count { done: AtomicUsize::new(0), of: walks.len() + turns.len() + stands.len(), say };
 
+    let timed = |&(command, seed): &(f64, u64)| -> Result<f64, CannotSurvey> {
+        let mut world = simulation.before_beacon(how.start_m(command), Seed(seed))?;
+        let speed = measure::timed_m_per_s(&mut *world, command, how)?;
+        progress.one_more();
+        Ok(speed)
+    };
+    let turned = |&((id, action), seed): &((u16, Action), u64)| -> Result<Velocity, CannotSurvey> {
+        let mut world = simulation.before_beacon(how.near_m, Seed(seed))?;
+        let velocity = measure::velocity(&mut *world, id, action, how);
+        progress.one_more();
+        Ok(velocity)
+    };
+    let looked = |&((distance_m, placement), seed): &((f64, u32), u64)| -> Result<Vec<Sighting>, CannotSurvey> {
+        let mut world = simulation.before_beacon(distance_m, Seed(seed))?;
+        let read = measure::look(&mut *world, distance_m, placement, how)?;
+        progress.one_more();
+        Ok(read)
+    };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.unwrap_or(0)).build()?;
-    let (speeds, looks) = pool.install(|| {
-        let speeds = walks.par_iter().with_max_len(1).map(|&(command, seed)| -> Result<f64, CannotSurvey> {
-            let mut world = simulation.before_beacon(how.start_m(command), Seed(seed))?;
-            let speed = measure::timed_m_per_s(&mut *world, command, how)?;
-            progress.one_more();
-            Ok(speed)
-        });
-        let speeds: Result<Vec<f64>, CannotSurvey> = speeds.collect();
-        let looks = stands.par_iter().with_max_len(1).map(|&((distance_m, placement), seed)| {
-            let mut world = simulation.before_beacon(distance_m, Seed(seed))?;
-            let read = measure::look(&mut *world, distance_m, placement, how)?;
-            progress.one_more();
-            Ok(read)
-        });
-        let looks: Result<Vec<Vec<Sighting>>, CannotSurvey> = looks.collect();
-        (speeds, looks)
+    let (speeds, velocities, looks) = pool.install(|| {
+        let speeds: Result<Vec<f64>, CannotSurvey> = walks.par_iter().with_max_len(1).map(timed).collect();
+        let velocities: Result<Vec<Velocity>, CannotSurvey> = turns.par_iter().with_max_len(1).map(turned).collect();
+        let looks: Result<Vec<_>, CannotSurvey> = stands.par_iter().with_max_len(1).map(looked).collect();
+        (speeds, velocities, looks)
     });
+
     let (speeds, looks) = (speeds?, looks?);
+    let timings = commands.iter().zip(speeds.chunks(how.timings.max(1) as usize));
     let heights = distances_m.iter().zip(looks.chunks(how.placements.max(1) as usize));
-    let speed_by_command = commands
-        .iter()
-        .zip(speeds.chunks(timings.max(1)))
-        .map(|(&command, timings)| measure::speed(command, timings))
-        .collect();
-    let height_by_distance = heights.map(|(&distance_m, looks)| measure::height(distance_m, &looks.concat())).collect();
-    Ok(Survey { speed_by_command, height_by_distance, ..Survey::default() })
+    Ok(Survey {
+        speed_by_command: timings.map(|(&command, timings)| measure::speed(command, timings)).collect(),
+        height_by_distance: heights.map(|(&distance_m, looks)| measure::height(distance_m, &looks.concat())).collect(),
+        velocity_by_action: velocities?,
+        ..Survey::default()
+    })
 }
 
 /// Counts measurements, and says so now and then.

@@ -4,8 +4,10 @@
 //! would; it reads no gait, no effect, nor what became of a command.
 
 use asami_dataset::survey::{Height, Speed};
+use asami_dataset::truth::pose_at;
 use asami_dataset::{Sighting, Size, TruePose};
-use asami_math::elementary::sin_cos;
+use asami_math::angle::wrap_rad;
+use asami_math::elementary::{atan2, sin_cos};
 
 use crate::drives::hold::Hold;
 use crate::world::{Drive, Record, World};
@@ -156,7 +158,8 @@ pub fn speed(command_m_per_s: f64, timings_m_per_s: &[f64]) -> Speed {
 }
 
 /// Reads heights and bearings off a robot that was put on a mark `distance_m` from the beacon: as many as fall
-/// to each of [`Surveying::placements`], the greater share to the first ones.
+/// to each of [`Surveying::placements`], the greater share to the first ones. The robot faces the beacon; bearings are
+/// given off the beacon's true direction, for one that steps in place, or swings its head, turns a little.
 ///
 /// # Errors
 /// [`CannotSurvey::NotSeen`] if too few frames show it.
@@ -167,6 +170,9 @@ pub fn look(
     how: &Surveying,
 ) -> Result<Vec<Sighting>, CannotSurvey> {
     let wanted = how.readings.saturating_sub(placement).div_ceil(how.placements) as usize;
+    let mark = world.pose();
+    let [ahead_x, ahead_y] = ahead(&mark);
+    let beacon_m = [mark.x_m + distance_m * ahead_x, mark.y_m + distance_m * ahead_y];
     let mut walk = Walk::new(Hold::forward(0.0));
     let is_read = |sighting: &&Sighting| sighting.t_s >= how.stand_s && matches!(sighting.size, Size::HeightPx(_));
     // A beacon that is seen in less than every twentieth frame cannot be surveyed.
@@ -174,7 +180,14 @@ pub fn look(
         let read = record.seen.sightings.iter().filter(is_read).count();
         read >= wanted || record.seen.frames.iter().filter(|frame| frame.t_s >= how.stand_s).count() >= 20 * wanted
     });
-    let sightings: Vec<Sighting> = walk.record.seen.sightings.iter().filter(is_read).take(wanted).copied().collect();
+    let Record { seen, track } = walk.record;
+    let off_truth = |sighting: &Sighting| {
+        let pose = pose_at(&track, sighting.t_s)?;
+        let direction_rad = atan2(pose.x_m - beacon_m[0], beacon_m[1] - pose.y_m);
+        let bearing_rad = wrap_rad(sighting.bearing_rad - direction_rad + pose.theta_rad);
+        Some(Sighting { bearing_rad, ..*sighting })
+    };
+    let sightings: Vec<Sighting> = seen.sightings.iter().filter(is_read).take(wanted).filter_map(off_truth).collect();
     if sightings.len() < wanted {
         return Err(CannotSurvey::NotSeen { distance_m, found: sightings.len(), wanted: wanted as u32 });
     }

@@ -94,6 +94,9 @@ asami_dataset::parameters! {
         scan_amplitude_rad: f64 = 0.0, "rad", 0.0..=1.6;
         /// From left to right and back.
         scan_period_s: f64 = 2.0, "s", 0.5..=20.0;
+        /// The pan that a frame is paired with was read at some time of a span of this length about the exposure of the
+        /// middle rows, new each frame: joints are read out in batches that keep no step with the camera.
+        pan_reading_span_s: f64 = 0.0, "s", 0.0..=0.035;
     }
 }
 

@@ -2,8 +2,9 @@
 
 use std::collections::VecDeque;
 
-use asami_dataset::{Seed, Sighting, Size};
+use asami_dataset::{Rng, Seed, Sighting, Size};
 use nalgebra::{Isometry3, UnitQuaternion};
+use rand::RngExt;
 
 use super::blueprint::Blueprint;
 use super::config::Head;
@@ -24,6 +25,9 @@ pub struct Eye {
     world_from_camera: VecDeque<Isometry3<f64>>,
     /// The head's pan at the same steps.
     pan_rad: VecDeque<f64>,
+    /// The span of [`Head::pan_reading_span_s`] in engine steps.
+    reading_steps: f64,
+    rng: Rng,
     frames: u64,
 }
 
@@ -51,13 +55,15 @@ impl Eye {
             frame_steps: camera.frame_s() / time_step_s,
             world_from_camera: VecDeque::new(),
             pan_rad: VecDeque::new(),
+            reading_steps: head.pan_reading_span_s / time_step_s,
+            rng: seed.stream("pan_reading"),
             frames: 0,
         }
     }
 
     /// Takes note of where the head is and how far it is panned; to be called once an engine step.
     pub fn follow(&mut self, world_from_head: &Isometry3<f64>, pan_rad: f64) {
-        let kept = self.frame_steps.ceil() as usize + 1;
+        let kept = self.frame_steps.ceil().max(0.5 * (self.frame_steps + self.reading_steps).ceil()) as usize + 1;
         self.world_from_camera.push_front(world_from_head * self.head_from_camera);
         self.world_from_camera.truncate(kept);
         self.pan_rad.push_front(pan_rad);
@@ -71,18 +77,11 @@ impl Eye {
         t_s >= self.frames as f64 / self.frame_rate_hz - 1e-9
     }
 
-    /// The head's pan when the image's middle rows were exposed, as the robot pairs it with the frame.
-    #[must_use]
-    pub fn head_pan_rad(&self) -> f64 {
-        let middle = (0.5 * self.frame_steps).round() as usize;
-        self.pan_rad.get(middle).or(self.pan_rad.back()).copied().unwrap_or_default()
-    }
-
-    /// Takes the frame that is due.
-    pub fn look(&mut self, t_s: f64) -> Vec<Sighting> {
+    /// Takes the frame that is due: the head's pan as the robot pairs it with the frame, and what was seen.
+    pub fn look(&mut self, t_s: f64) -> (f64, Vec<Sighting>) {
         self.frames += 1;
-        let head_pan_rad = self.head_pan_rad();
-        let Some(close) = self.world_from_camera.front() else { return Vec::new() };
+        let head_pan_rad = self.read_pan_rad();
+        let Some(close) = self.world_from_camera.front() else { return (head_pan_rad, Vec::new()) };
         let image = self.camera.look(&self.opened(close), close);
         let glimpses = self.vision.sight(image, head_pan_rad);
         let sighting = |glimpse: crate::sensors::vision::Glimpse| Sighting {
@@ -91,7 +90,17 @@ impl Eye {
             size: Size::HeightPx(glimpse.height_px),
             bearing_rad: glimpse.bearing_rad,
         };
-        glimpses.into_iter().map(sighting).collect()
+        (head_pan_rad, glimpses.into_iter().map(sighting).collect())
+    }
+
+    /// The head's pan when the image's middle rows were exposed, or read about then.
+    fn read_pan_rad(&mut self) -> f64 {
+        let mut back = 0.5 * self.frame_steps;
+        if self.reading_steps > 0.0 {
+            back += self.reading_steps * (self.rng.random::<f64>() - 0.5);
+        }
+        let back = back.round() as usize;
+        self.pan_rad.get(back).or(self.pan_rad.back()).copied().unwrap_or_default()
     }
 
     /// The latest frame; black before the first.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use asami_math::elementary::sin;
+use asami_math::elementary::{asin, sin};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::blueprint::{Blueprint, JOINTS};
@@ -34,11 +34,14 @@ impl Start {
     }
 }
 
+/// How evenly the head scans: 0 like a sine, towards 1 at one speed between sudden turns.
+const EVENNESS: f64 = 0.95;
+
 /// All joints at `t_s`: the legs as the gait wants them, neck tilt, pan and nod so that neck and camera
 /// are held as configured over a torso at its stance's pitch.
 #[must_use]
 pub fn joints_rad(head: &Head, trot: &Trot, t_s: f64) -> [f64; JOINTS] {
-    let pan_rad = head.scan_amplitude_rad * sin(TAU * t_s / head.scan_period_s);
+    let pan_rad = head.scan_amplitude_rad * asin(EVENNESS * sin(TAU * t_s / head.scan_period_s)) / asin(EVENNESS);
     // Tilt and nod are nose down positive, pitches nose up.
     let tilt_rad = trot.pitch_rad() + head.neck_lean_rad;
     let nod_rad = -head.neck_lean_rad - head.camera_pitch_rad;

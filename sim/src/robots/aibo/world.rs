@@ -176,8 +176,7 @@ impl AiboWorld {
         if !self.eye.is_due(t_s) {
             return;
         }
-        let head_pan_rad = self.eye.head_pan_rad();
-        let mut sightings = self.eye.look(t_s);
+        let (head_pan_rad, mut sightings) = self.eye.look(t_s);
         for stage in &mut self.sighting_stages {
             stage(t_s, &mut sightings);
         }

@@ -1,8 +1,11 @@
-use asami_dataset::Dataset;
+use asami_dataset::truth::pose_at;
+use asami_dataset::{Dataset, Size};
 
 use super::*;
+use crate::drives::explore::{Explore, Exploring};
 use crate::drives::hold::Hold;
 use crate::drives::pace::{Pace, Pacing};
+use crate::drives::suite::Suite;
 use crate::effects::command_delay::CommandDelay;
 use crate::effects::command_scale::CommandScale;
 use crate::effects::ground_friction::GroundFriction;
@@ -193,6 +196,46 @@ fn paces_before_the_beacon_without_falling_or_turning_away() {
         let bearing_rad = wrap_rad(atan2(-(0.0 - pose.x_m), 3.3 - pose.y_m) - pose.theta_rad);
         assert!(bearing_rad.abs() < 10f64.to_radians(), "{bearing_rad} at {}", pose.t_s);
     }
+}
+
+/// All over the field for a minute with a scanning head: no fall, every beacon is seen, told from the others, and
+/// where it is.
+#[test]
+fn scanning_head_sees_four_beacons_where_they_are() {
+    let mut config = AiboConfig::default();
+    config.gait.least_lift = 1.0;
+    config.heading_hold.gain_per_s = 0.0;
+    config.head.scan_amplitude_rad = 88f64.to_radians();
+    let colours = [[Colour::Pink, Colour::Yellow], [Colour::Yellow, Colour::Pink], [Colour::Pink, Colour::Blue]];
+    let bands = colours.into_iter().chain([[Colour::Blue, Colour::Pink]]);
+    let beacons = (0..).zip(bands).zip([[1.95, 1.35], [-1.95, 1.35], [-1.95, -1.35], [1.95, -1.35]]);
+    let beacons = beacons.map(|((id, bands), [x_m, y_m])| Landmark {
+        id,
+        body: Cylinder { x_m, y_m, radius_m: 0.05, base_m: 0.1, height_m: 0.2, bands },
+    });
+    let field = Field { beacons: beacons.collect(), clutter: vec![] };
+    let camera = CameraConfig { least_height_px: 9.2, greatest_height_px: 35.0, ..CameraConfig::default() };
+    let seed = Seed(1004);
+    let mut world = AiboWorld::new(&config, &field, &camera, &Effects::default(), Start::default(), seed)
+        .expect("the shipped body builds");
+    let suite = Suite { max_right_m_per_s: 0.15, max_forward_m_per_s: 0.2, max_turn_rad_per_s: 0.8 };
+    let mut drive = Explore::new(Exploring::default(), suite.actions(), seed.stream("drive"));
+    let explored = run(&mut world, &mut drive, 60.0);
+    assert!(!world.has_fallen());
+    let mut seen = [0; 4];
+    let mut worst_rad = 0.0_f64;
+    for sighting in explored.log.sightings.iter() {
+        let pose = pose_at(&explored.truth.track, sighting.t_s).expect("frames have a pose");
+        let beacon = &field.beacons[usize::from(sighting.landmark)].body;
+        let direction_rad = atan2(pose.x_m - beacon.x_m, beacon.y_m - pose.y_m) - pose.theta_rad;
+        worst_rad = worst_rad.max(wrap_rad(sighting.bearing_rad - direction_rad).abs());
+        seen[usize::from(sighting.landmark)] += 1;
+        let Size::HeightPx(height_px) = sighting.size else { panic!("cameras see heights") };
+        assert!((9.2..=35.0).contains(&height_px), "{height_px}");
+    }
+    assert!(seen.iter().all(|sightings| *sightings > 5), "{seen:?}");
+    // Beacons are 90 degrees apart or so; the body turns by a fraction of a radian while an image is taken.
+    assert!(worst_rad < 0.2, "{worst_rad}");
 }
 
 /// A trot: diagonal feet together, each on the ground for about its share of the stride.
