@@ -4,6 +4,7 @@ mod conformance;
 mod consistency;
 mod kernels;
 mod lacking;
+mod line;
 mod oracle;
 mod plane;
 mod published;
