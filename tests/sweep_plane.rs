@@ -89,6 +89,9 @@ fn columns_are_those_agreed_and_tables_say_what_rows_say() {
     }
 
     // The dissertation's numbers stand under the row that they are of, once.
+    // In short: from the published start alone.
+    let short = rows(&folder.path().join("table_4.csv"));
+    assert!(short.iter().all(|row| ["published", ""].contains(&&*row["starting_model"])), "{short:?}");
     let table = rows(&folder.path().join("table_4_velocities.csv"));
     let sources: Vec<&str> = table.iter().map(|row| &*row["source"]).collect();
     assert_eq!(sources, ["asami", "dissertation", "asami", "asami", "reference", "reference", "reference"]);
@@ -129,4 +132,19 @@ fn one_thread_and_two_give_the_same_bytes() {
         let [a, b] = [0, 1].map(|i| std::fs::read(folders[i].path().join(name)).expect(name));
         assert!(a == b, "{name} differs");
     }
+}
+
+/// `--only`: the rows asked for, what is expected of them, and the name that was meant.
+#[test]
+fn only_some_rows_are_swept_if_asked() {
+    let folder = tempfile::tempdir().expect("made");
+    let plan_of = |only: &[&str]| {
+        let scenario = scenario::parse("plane", "plane.toml", SCENARIO).expect("sound");
+        let only = only.iter().map(|name| (*name).to_owned()).collect();
+        plan(scenario, &Asked { out: folder.path().to_owned(), only, ..Asked::default() })
+    };
+    let plan = plan_of(&["em_rts"]).expect("sound");
+    assert_eq!((plan.scenario.rows.len(), plan.learners.len(), plan.scenario.expect.len()), (1, 1, 0));
+    let Err(refused) = plan_of(&["em_rst"]) else { panic!("there is no such row") };
+    assert!(refused.to_string().contains("no row called em_rst (did you mean em_rts?)"), "{refused}");
 }

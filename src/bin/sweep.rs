@@ -30,6 +30,9 @@ struct Arguments {
     /// How many seeds, instead of the scenario's number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     seeds: Option<u32>,
+    /// Only the rows of this name, as tables have it; may be given again
+    #[arg(long, value_name = "NAME")]
+    only: Vec<String>,
     /// The recorded data, instead of the scenario's `source`
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
@@ -41,7 +44,8 @@ fn main() -> ExitCode {
         let scenario = scenario::read(&arguments.scenario)?;
         let out = arguments.output.unwrap_or_else(|| PathBuf::from("results").join(&scenario.name));
         let jobs = arguments.jobs.map(usize::from);
-        let asked = Asked { seeds: arguments.seeds, data: arguments.data, out: out.clone(), jobs };
+        let asked =
+            Asked { seeds: arguments.seeds, data: arguments.data, only: arguments.only, out: out.clone(), jobs };
         let plan = plan(scenario, &asked)?;
         let options = Options { out, jobs, program: manifest::program() };
         let outcome = carry_out(&plan, &options, &Progress::default()).map_err(verb::plain)?;

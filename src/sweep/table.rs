@@ -92,6 +92,8 @@ pub struct Plan {
     pub caption: &'static str,
     /// As [`Table::columns`].
     pub columns: &'static [Column],
+    /// Only rows that start from this, where it is given; from nothing, always.
+    pub start: Option<Start>,
 }
 
 /// The table that `plan` says; lines and columns without any number are left out.
@@ -102,6 +104,9 @@ pub fn table<S: Tallied>(results: &Results<S>, tallies: &[Tally], published: &[P
     let quantity = |column: &Column| S::names().iter().position(|name| *name == column.quantity);
     for tally in tallies {
         let row = &results.scenario.rows[tally.row];
+        if !fits(plan, row.start) {
+            continue;
+        }
         let era = tally.group.truth.map(|_| row.era);
         let entry = |column: &Column| tally.spreads.get(quantity(column)?)?.map(Entry::Measured);
         let entries = columns.iter().map(entry).collect();
@@ -124,7 +129,7 @@ pub fn table<S: Tallied>(results: &Results<S>, tallies: &[Tally], published: &[P
         }
     }
     for group in S::groups(results) {
-        for (name, start) in reference_names(results) {
+        for (name, start) in reference_names(results).into_iter().filter(|(_, start)| fits(plan, *start)) {
             let entries =
                 columns.iter().map(|column| reference(results, &name, start, group, quantity(column)?)).collect();
             // A starting model like one above in everything that this table shows.
@@ -136,10 +141,14 @@ pub fn table<S: Tallied>(results: &Results<S>, tallies: &[Tally], published: &[P
             lines.push(Line { whose: Whose::Reference, learner, start, era: None, group, entries, converged: None });
         }
     }
-    let rest = published.iter().enumerate().filter(|(i, _)| !printed.contains(i));
+    let rest = published.iter().enumerate().filter(|(i, it)| !printed.contains(i) && fits(plan, it.start));
     lines.extend(rest.filter_map(|(_, it)| published_line(it, &columns)));
     lines.retain(|line| line.whose == Whose::Asami || line.entries.iter().any(Option::is_some));
     without_empty_columns(Table { name: plan.name, title: plan.title, caption: plan.caption, columns, lines })
+}
+
+fn fits(plan: &Plan, start: Option<Start>) -> bool {
+    plan.start.is_none() || start.is_none() || start == plan.start
 }
 
 fn published_line(published: &Published, columns: &[Column]) -> Option<Line> {

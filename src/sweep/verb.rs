@@ -20,6 +20,8 @@ use crate::trial::Ending;
 pub struct Asked {
     /// Fewer, or more, seeds than the scenario says.
     pub seeds: Option<u32>,
+    /// Only rows of these names; all, if there are none.
+    pub only: Vec<String>,
     /// Recorded data elsewhere than the scenario says.
     pub data: Option<PathBuf>,
     /// Where results go, a new survey among them.
@@ -41,6 +43,7 @@ pub fn plan(mut scenario: Scenario, asked: &Asked) -> Result<Plan, Report> {
             miette::bail!("--seeds is for simulated scenarios; {} is a recording", scenario.name);
         }
     }
+    only(&mut scenario, &asked.only)?;
     let source: Box<dyn Source> = match &scenario.origin {
         Origin::Simulated(simulation) => {
             let surveyor = Surveyor {
@@ -73,6 +76,24 @@ pub fn plan(mut scenario: Scenario, asked: &Asked) -> Result<Plan, Report> {
     });
     let learners = learners.collect::<Result<Vec<_>, _>>()?;
     Ok(Plan { scenario, source, learners })
+}
+
+/// Leaves only the rows of these names in a scenario, and what is expected of them alone.
+fn only(scenario: &mut Scenario, names: &[String]) -> Result<(), Report> {
+    let has = |name: &String| scenario.rows.iter().any(|row| row.label == *name);
+    if let Some(unknown) = names.iter().find(|name| !has(name)) {
+        let labels = scenario.rows.iter().map(|row| row.label.as_str());
+        let meant = scenario::fault::nearest(unknown, labels);
+        let meant = meant.map_or_else(String::new, |name| format!(" (did you mean {name}?)"));
+        miette::bail!("{} has no row called {unknown}{meant}", scenario.name);
+    }
+    if !names.is_empty() {
+        scenario.rows.retain(|row| names.contains(&row.label));
+        scenario.expect.retain(|expect| {
+            names.contains(&expect.learner) && expect.beats.as_ref().is_none_or(|beaten| names.contains(beaten))
+        });
+    }
+    Ok(())
 }
 
 /// Runs a plan and writes its files.

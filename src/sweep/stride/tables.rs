@@ -24,4 +24,5 @@ pub const TABLE: Plan = Plan {
         column("scale_off", "off 1", 3),
         column("iterations", "iterations", 0),
     ],
+    start: None,
 };
