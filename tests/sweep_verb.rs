@@ -78,8 +78,10 @@ fn killed_for_good_and_gone_on_with_is_as_never_stopped() {
         .spawn()
         .expect("the program starts");
     let began = Instant::now();
-    let kept = || std::fs::read_dir(stopped.join("cases")).map_or(0, |entries| entries.flatten().count());
-    while kept() == 0 && began.elapsed() < Duration::from_secs(60) {
+    // A file that is still being written aside is no case that is done.
+    let is_kept = |entry: std::fs::DirEntry| entry.path().extension().is_some_and(|extension| extension == "json");
+    let any_kept = || std::fs::read_dir(stopped.join("cases")).is_ok_and(|found| found.flatten().any(is_kept));
+    while !any_kept() && began.elapsed() < Duration::from_secs(60) {
         std::thread::sleep(Duration::from_millis(5));
     }
     child.kill().expect("still running, or just done");
