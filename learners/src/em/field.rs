@@ -170,6 +170,19 @@ impl World<3, 2> for Field {
         }
     }
 
+    fn bound(&self, state: &mut Gaussian<3>) {
+        // The variance of an angle that may be any.
+        const ANY: f64 = std::f64::consts::PI * std::f64::consts::PI / 3.0;
+        let var = state.covariance[(2, 2)];
+        if var > ANY {
+            let shrink = (ANY / var).sqrt();
+            for i in 0..3 {
+                state.covariance[(i, 2)] *= shrink;
+                state.covariance[(2, i)] *= shrink;
+            }
+        }
+    }
+
     fn inverse(&self, a: &Square<3>) -> Square<3> {
         symmetric_inverse(a)
     }

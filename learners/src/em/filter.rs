@@ -113,6 +113,9 @@ impl<const N: usize> Forward<N> {
                 let off = world.difference(&state.mean, &at);
                 state.mean = moved.to + moved.f * off;
                 state.covariance = moved.f * state.covariance * moved.f.transpose() + moved.q;
+                if matches!(about, About::Own) {
+                    world.bound(&mut state);
+                }
                 self.moved[t] = moved;
             }
             if !state.mean.iter().all(|x| x.is_finite()) {

@@ -65,6 +65,8 @@ impl World<1, 1> for Track {
         }
     }
 
+    fn bound(&self, _state: &mut Gaussian<1>) {}
+
     fn inverse(&self, a: &Matrix1<f64>) -> Matrix1<f64> {
         Matrix1::new(1.0 / a[0])
     }

@@ -3,7 +3,8 @@
 //! Where the dissertation is silent:
 //!
 //! - "Starting from a mean and covariance matrix of 0 and infinity": infinity is a standard deviation of 10 m and
-//!   10 rad (a much greater one leaves no digits to the rest). As long as the backward filter is not determined,
+//!   any heading (a much greater one leaves no digits to the rest; a heading that may be any has a variance of
+//!   pi^2 / 3, also after long without a sighting). As long as the backward filter is not determined,
 //!   its mean is arbitrary: it starts at the forward filter's, and updates are linearised about the forward
 //!   filter's; from then on about its own. Linearised about its own mean from the start, the filter is soon sure
 //!   of a place that is metres off, and the learning stalls or diverges.
@@ -86,6 +87,7 @@ pub fn backward<const N: usize, const M: usize, W: World<N, M>>(
             let moved = world.back(&beta.mean, &mu, &q);
             beta.mean = moved.to;
             beta.covariance = moved.f * beta.covariance * moved.f.transpose() + moved.q;
+            world.bound(&mut beta);
         }
         let seen = plane.seen(t);
         let own = end - seen.len()..end;

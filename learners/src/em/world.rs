@@ -48,6 +48,9 @@ pub trait World<const N: usize, const M: usize>: Sync {
     /// The same of a Gaussian state, to second order.
     fn look_moments(&self, state: &Gaussian<N>, seen: &Seen) -> LookMoments;
 
+    /// Keeps a state no more uncertain than not knowing it at all: an angle on the circle.
+    fn bound(&self, state: &mut Gaussian<N>);
+
     /// Inverse of a symmetric positive definite matrix; not finite where it has none.
     fn inverse(&self, a: &Square<N>) -> Square<N>;
 }

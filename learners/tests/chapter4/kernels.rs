@@ -170,6 +170,20 @@ proptest! {
     }
 
     #[test]
+    fn no_heading_is_less_known_than_any(w in pose(), p in covariance(3.0)) {
+        let mut state = Gaussian { mean: w, covariance: p };
+        FIELD.bound(&mut state);
+        let any = std::f64::consts::PI.powi(2) / 3.0;
+        let bounded = state.covariance;
+        prop_assert!((bounded[(2, 2)] - p[(2, 2)].min(any)).abs() < 1e-12);
+        // Places stay as uncertain, and as correlated with the heading.
+        prop_assert!(bounded[(0, 0)] == p[(0, 0)] && bounded[(1, 1)] == p[(1, 1)]);
+        let correlation = |m: &Matrix3<f64>| m[(0, 2)] / (m[(0, 0)] * m[(2, 2)]).sqrt();
+        prop_assert!((correlation(&bounded) - correlation(&p)).abs() < 1e-12);
+        prop_assert!((bounded - bounded.transpose()).norm() == 0.0);
+    }
+
+    #[test]
     fn inverses_are(p in covariance(1.0)) {
         prop_assert!((FIELD.inverse(&p) * p - Matrix3::identity()).norm() < 1e-6);
     }
