@@ -182,6 +182,14 @@ impl Plane {
         seconds.get(seconds.len() / 2).map_or(0.0, |median| median / (0.674_489_750_196_081_7 * f64::sqrt(6.0)))
     }
 
+    /// The longest time from one frame with sightings to the next; 0 with fewer than two of them.
+    #[must_use]
+    pub fn longest_unseen_s(&self) -> f64 {
+        let times: Vec<f64> =
+            self.frames.iter().filter(|frame| !frame.sightings.is_empty()).map(|frame| frame.t_s).collect();
+        times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
+    }
+
     /// Refuses logs with fewer sightings than unknowns.
     ///
     /// # Errors

@@ -10,8 +10,8 @@ use crate::plane::Plane;
 /// The share of false sightings that EM starts with.
 const START: f64 = 1e-3;
 
-/// Iterations before sightings are judged: the starting models are no judges.
-pub const UNJUDGED: u32 = 30;
+/// Iterations with a smoother before sightings are judged: the starting models are no judges.
+pub const UNJUDGED: u32 = 10;
 
 /// Log-density of a false sighting: uniform over the sizes observed and the circle.
 fn log_density<const N: usize>(plane: &Plane) -> f64 {

@@ -86,7 +86,7 @@ impl<const N: usize, const M: usize, W: World<N, M>> Run<'_, N, M, W> {
 }
 
 /// Iterations before extrapolation.
-pub(super) const UNACCELERATED: u32 = 22;
+pub(super) const UNACCELERATED: u32 = 10;
 
 /// Iterations from one Newton step to the next.
 const NEWTON_EVERY: u32 = 12;

@@ -24,6 +24,8 @@ pub(super) struct Run<'a, const N: usize, const M: usize, W> {
     /// The states given all data, of the last smoother.
     pub(super) trajectory: Vec<Gaussian<N>>,
     pub(super) stage: Stage,
+    /// The longest time between two frames with sightings.
+    unseen_s: f64,
     /// Room for the next.
     pub(super) smoothed: Vec<Gaussian<N>>,
     /// Derivative of the log-likelihood by velocities and `f`, of the last iteration.
@@ -44,6 +46,7 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
             weights: vec![1.0; plane.sightings.len()],
             trajectory: vec![start::nowhere(); plane.frames.len()],
             stage: Stage::Filters,
+            unseen_s: plane.longest_unseen_s(),
             smoothed: vec![start::nowhere(); plane.frames.len()],
             score: Vec::new(),
             kept: (Vec::new(), Vec::new(), None),
@@ -79,7 +82,8 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
             if pace.jumped {
                 self.settle(&lambda, SWEEPS);
             }
-            if self.iterates() && i >= FILTERS_FIRST && (i - FILTERS_FIRST).is_multiple_of(LOOK_AGAIN_EVERY) {
+            let first = self.filters_first();
+            if self.iterates() && i >= first && (i - first).is_multiple_of(LOOK_AGAIN_EVERY) {
                 self.look_again(&lambda);
             }
             let found = self.iterate(&lambda, i, rng);
@@ -103,7 +107,9 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
             let next = match self.em.acceleration {
                 Acceleration::None => found.map(|(_, next)| next),
                 // The first steps are long, and all over the place.
-                _ if i < UNACCELERATED || self.preliminary(i) => found.map(|(_, next)| next),
+                _ if i < UNACCELERATED.max(self.filters_first() + 2) || self.preliminary(i) => {
+                    found.map(|(_, next)| next)
+                }
                 _ => self.accelerated(&lambda, found, &mut pace),
             };
             let Some(next) = next else {
@@ -144,12 +150,18 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
 
     /// Whether the likelihood is not yet that of the iterations to come.
     fn preliminary(&self, i: u32) -> bool {
-        self.unjudged(i) || self.iterates() && i < FILTERS_FIRST
+        self.unjudged(i) || self.iterates() && i < self.filters_first()
+    }
+
+    /// Iterations with two filters, before any are linearised about a smoothed trajectory. None where nothing is seen
+    /// for long: the backward filter knows nothing of the robot on the far side of such a gap.
+    fn filters_first(&self) -> u32 {
+        if self.unseen_s > LONG_UNSEEN_S { 0 } else { FILTERS_FIRST }
     }
 
     /// Whether the mixture of true and false sightings has not come into play yet.
     fn unjudged(&self, i: u32) -> bool {
-        self.em.outliers == Outliers::Mixture && i < UNJUDGED
+        self.em.outliers == Outliers::Mixture && i < self.filters_first() + UNJUDGED
     }
 
     /// One iteration: the log-likelihood of `lambda`, and the parameters that maximise the expected
@@ -226,6 +238,9 @@ pub(super) enum Stage {
 
 /// Iterations with two filters, before any are linearised about a smoothed trajectory.
 pub(super) const FILTERS_FIRST: u32 = 20;
+
+/// Longer than any head takes to scan.
+const LONG_UNSEEN_S: f64 = 20.0;
 
 /// Iterations in a row that must gain less than the tolerance.
 const SETTLED: u32 = 3;
