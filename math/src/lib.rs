@@ -4,6 +4,7 @@
 //! global random state.
 
 pub mod angle;
+pub mod bordered;
 pub mod decomposition;
 pub mod elementary;
 pub mod kalman;
