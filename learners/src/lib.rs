@@ -5,6 +5,7 @@
 
 pub mod action_from_sensor;
 pub mod algorithm1;
+pub mod batch;
 pub mod canonical;
 pub mod degree_selection;
 pub mod em;
@@ -24,6 +25,7 @@ pub mod line;
 pub mod plane;
 pub mod sensor_constant_action;
 pub mod sensor_from_action;
+mod view;
 
 use std::collections::BTreeMap;
 
@@ -119,4 +121,5 @@ learners! {
     em_shared => EmShared,
     em_best => EmBest,
     em_1d_published => Em1dPublished,
+    batch => Batch,
 }

@@ -130,7 +130,7 @@ impl Bordered {
     }
 
     /// Factorises the sum of all links and of a `prior` on the parameters (information, and its right-hand
-    /// side in column 0), and solves for the parameters. `fill` adds what link `t` brings to a matrix of zeros.
+    /// side in the last column), and solves for the parameters. `fill` adds what link `t` brings to a matrix of zeros.
     /// `None` where the sum is not positive definite.
     pub fn factorise(&mut self, prior: &[[f64; 2]], mut fill: impl FnMut(usize, &mut Link)) -> Option<()> {
         let (p, width) = (self.parameters, self.parameters + self.columns);
@@ -140,7 +140,7 @@ impl Bordered {
         for (i, [information, side]) in prior.iter().enumerate().take(p) {
             border[i * width + i] = *information;
             if self.columns > 0 {
-                border[i * width + p] = *side;
+                border[i * width + width - 1] = *side;
             }
         }
         let end_width = STATE + width;

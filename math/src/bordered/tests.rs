@@ -65,7 +65,7 @@ fn dense(segments: &[Segment], numbers: &[f64], prior: &[[f64; 2]]) -> (DMatrix<
     for (i, [information, side]) in prior.iter().enumerate() {
         let at = n - PARAMETERS + i;
         a[(at, at)] += information;
-        b[(at, 0)] += side;
+        b[(at, COLUMNS - 1)] += side;
     }
     (a, b)
 }
