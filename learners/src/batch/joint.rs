@@ -125,6 +125,12 @@ struct Derivative {
     scatter: f64,
 }
 
+/// A change of an estimate.
+pub(super) struct Change {
+    pub(super) poses: Vec<[f64; STATE]>,
+    pub(super) parameters: Vec<f64>,
+}
+
 /// What is added to the information so that a step does not go too far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hold {
@@ -368,9 +374,10 @@ impl<'a> Joint<'a> {
     }
 
     /// Sums over all residuals that the noise is told from; and what the inverse says is unknown of each pose.
-    pub(super) fn sums(&self, estimate: &Estimate, system: &Bordered) -> (Sums, Vec<Spread>) {
+    pub(super) fn sums(&self, estimate: &Estimate, system: &Bordered, change: &Change) -> (Sums, Vec<Spread>) {
         let mut sums = Sums {
             squares: [0.0; KINDS],
+            ahead: [0.0; KINDS],
             leverage: [0.0; KINDS],
             count: [0.0; KINDS],
             sightings: vec![[0.0; 2]; self.weights.len()],
@@ -380,17 +387,19 @@ impl<'a> Joint<'a> {
         let mut left = Vec::new();
         system.visit_inverse(|t, covariance| {
             self.rows(estimate, t, &mut |row| {
-                let mut leverage = 0.0;
+                let (mut leverage, mut ahead) = (0.0, row.value);
                 for i in row.by {
+                    ahead += i.mean * self.change_at(change, t, i.at);
                     leverage += i.mean * row.by.iter().fold(0.0, |sum, j| sum + covariance.at(i.at, j.at) * j.mean);
                 }
                 let per_variance = 1.0 / estimate.variances[row.kind];
                 sums.squares[row.kind] += row.weight * per_variance * row.value * row.value;
+                sums.ahead[row.kind] += row.weight * per_variance * ahead * ahead;
                 sums.leverage[row.kind] += row.weight * per_variance * leverage;
                 // Motion counts once, however long it took.
                 sums.count[row.kind] += if row.sighting.is_some() { row.weight } else { 1.0 };
                 if let Some(sighting) = row.sighting {
-                    sums.sightings[sighting][row.kind] = per_variance * (row.value * row.value + leverage);
+                    sums.sightings[sighting][row.kind] = per_variance * (ahead * ahead + leverage);
                 }
             });
             given_parameters(covariance, &mut left, &mut own);
@@ -414,13 +423,23 @@ impl<'a> Joint<'a> {
         self.plane.step_s / self.plane.frames[t].dt_s.max(1e-3 * self.plane.step_s)
     }
 
-    /// The estimate moved by a part of the step that the system was solved for.
-    pub(super) fn moved(estimate: &Estimate, poses: &[[f64; STATE]], parameters: &[f64], part: f64) -> Estimate {
+    /// Change of one of the unknowns of link `t`.
+    fn change_at(&self, change: &Change, t: usize, at: usize) -> f64 {
+        match at {
+            0..STATE => change.poses[t][at],
+            _ if at < 2 * STATE => change.poses[t + 1][at - STATE],
+            _ if at < 3 * STATE => change.parameters[STATE * self.plane.frames[t].action + at - 2 * STATE],
+            _ => change.parameters[STATE * self.plane.actions.len() + at - 3 * STATE],
+        }
+    }
+
+    /// The estimate moved by a part of a change.
+    pub(super) fn moved(estimate: &Estimate, change: &Change, part: f64) -> Estimate {
         let mut next = estimate.clone();
-        for (w, step) in next.poses.iter_mut().flatten().zip(poses.iter().flatten()) {
+        for (w, step) in next.poses.iter_mut().flatten().zip(change.poses.iter().flatten()) {
             *w += part * step;
         }
-        for (x, step) in next.parameters.iter_mut().zip(parameters) {
+        for (x, step) in next.parameters.iter_mut().zip(&change.parameters) {
             *x += part * step;
         }
         next
@@ -462,6 +481,8 @@ pub(super) struct Misfit {
 /// Sums over residuals, each divided by its variance, by kind.
 pub(super) struct Sums {
     pub(super) squares: [f64; KINDS],
+    /// The squares where the change leads that the system was solved for.
+    pub(super) ahead: [f64; KINDS],
     /// What is unknown of the residuals themselves.
     pub(super) leverage: [f64; KINDS],
     pub(super) count: [f64; KINDS],

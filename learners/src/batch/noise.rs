@@ -18,30 +18,32 @@ pub(super) struct NoiseStep {
     pub(super) gain: f64,
 }
 
-/// Greatest change of a logarithm in one step.
-const REACH: f64 = 1.0;
+/// Greatest change of a logarithm in one step, by kind.
+const REACH: [f64; KINDS] = [1.0; KINDS];
 
 /// What the rows tell of the logarithms of their variances.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Information(Vec<Vec<f64>>);
 
-/// The step from where `sums` were taken and `system` was factorised; `squares` are of where the solution
-/// leads. `information` is mixed with that of the steps before: the average of observed and expected information
-/// jumps about where residuals are few.
-pub(super) fn step(sums: &Sums, squares: &[f64; KINDS], system: &Bordered, information: &mut Information) -> NoiseStep {
+/// The step from where `sums` were taken and `system` was factorised. `information` is mixed with that of the steps before: the
+/// average of observed and expected information jumps about where residuals are few.
+pub(super) fn step(sums: &Sums, system: &Bordered, information: &mut Information) -> NoiseStep {
     // Score of ln sigma_i^2: (r^T r / sigma^2 + tr(A C A^T) / sigma^2 - n) / 2.
-    let score: [f64; KINDS] = std::array::from_fn(|i| 0.5 * (squares[i] + sums.leverage[i] - sums.count[i]));
+    let score: [f64; KINDS] = std::array::from_fn(|i| 0.5 * (sums.ahead[i] + sums.leverage[i] - sums.count[i]));
     // Average information: w_i^T (I - A C A^T) w_j / 2, w_i the whitened residuals of kind i.
-    let mut now: Vec<Vec<f64>> = (0..KINDS)
+    let now: Vec<Vec<f64>> = (0..KINDS)
         .map(|i| {
             let own = |j: usize| if i == j { sums.squares[i] } else { 0.0 };
             (0..KINDS).map(|j| 0.5 * (own(j) - 0.5 * (system.gram(i, j) + system.gram(j, i)))).collect()
         })
         .collect();
-    for (now, before) in now.iter_mut().flatten().zip(information.0.iter().flatten()) {
-        *now = 0.5 * (*now + before);
+    if information.0.is_empty() {
+        information.0 = now;
+    } else {
+        for (before, now) in information.0.iter_mut().flatten().zip(now.into_iter().flatten()) {
+            *before = 0.5 * (*before + now);
+        }
     }
-    information.0 = now;
     let information = &information.0;
     // Never less than a part of what the rows could tell by themselves: far from the maximum the average is poor.
     let held = |damping: f64| -> Vec<Vec<f64>> {
@@ -53,10 +55,10 @@ pub(super) fn step(sums: &Sums, squares: &[f64; KINDS], system: &Bordered, infor
     };
     let solved = [0.0, 0.01, 0.1, 1.0].into_iter().find_map(|damping| {
         let step = cholesky_solve(&cholesky(&held(damping))?, &score);
-        step.iter().all(|x| x.abs() <= 3.0 * REACH).then_some(step)
+        step.iter().all(|x| x.abs() <= 3.0).then_some(step)
     });
     let step = solved.unwrap_or_else(|| (0..KINDS).map(|i| 2.0 * score[i] / (sums.count[i] + 1.0)).collect());
-    let log_variances = std::array::from_fn(|i| step[i].clamp(-REACH, REACH));
+    let log_variances = std::array::from_fn(|i| step[i].clamp(-REACH[i], REACH[i]));
     let gain = (0..KINDS).fold(0.0, |sum, i| sum + 0.5 * score[i] * log_variances[i]);
     NoiseStep { log_variances, gain }
 }

@@ -3,7 +3,7 @@
 use asami_math::bordered::Bordered;
 use asami_math::elementary::{exp, ln};
 
-use super::joint::{Estimate, Hold, Joint, KINDS, Misfit, Sums};
+use super::joint::{Change, Estimate, Hold, Joint, KINDS, Misfit, Sums};
 use super::noise::{self, Information};
 use super::start::{self, Start};
 use super::{Batch, models};
@@ -11,10 +11,16 @@ use crate::learner::{Step, Verdict};
 
 /// The noise is told from residuals only once a solve promises less than so many nats.
 const NEAR: f64 = 30.0;
-/// Points are spread about the poses once no variance changes by more than this share in a step.
-const FINE: f64 = 0.2;
+/// Points are spread about the poses once a step of the noise promises less than so many nats.
+const FINE: f64 = 2.0;
+/// Near the end, than so many.
+const SETTLED: f64 = 2.0;
 /// How often they are spread anew.
 const SPREADS: u32 = 8;
+/// Climbing ends, too, where so many steps of the noise do not raise the likelihood by so many nats.
+const PATIENCE: usize = 8;
+/// See [`PATIENCE`].
+const STALL: f64 = 0.2;
 /// Greatest number of smoothers run again under what was learned.
 const REFRESHES: u32 = 6;
 
@@ -26,6 +32,8 @@ pub(super) struct Search<'a> {
     pub(super) system: Bordered,
     information: Information,
     damping: f64,
+    /// What the last solve promised.
+    promised: f64,
     false_share: f64,
     refreshes: u32,
     pub(super) solves: u32,
@@ -41,6 +49,8 @@ struct Solve {
     promised: f64,
     /// Where it was linearised.
     from: Estimate,
+    /// The whole step.
+    change: Change,
     /// What is left where it led; `None` if no step lowered the cost.
     misfit: Option<Misfit>,
 }
@@ -54,6 +64,7 @@ impl<'a> Search<'a> {
             estimate,
             information: Information::default(),
             damping: 1.0,
+            promised: f64::INFINITY,
             false_share: limits.false_share,
             refreshes: 0,
             solves: 0,
@@ -73,28 +84,44 @@ impl<'a> Search<'a> {
 
     fn try_to_climb(&mut self) -> Result<(), Broke> {
         self.descend()?;
-        while self.refresh()? {}
+        while self.refresh(0.002)? {}
         self.refreshes = 0;
-        let (mut fine, mut spread) = (false, 0);
+        let (mut fine, mut spread, mut since) = (false, 0, 0);
         loop {
             let solve = self.solve()?;
-            let Some(misfit) = solve.misfit.filter(|_| self.damping == 0.0 && solve.promised < NEAR) else { continue };
-            let (sums, spreads) = self.joint.sums(&solve.from, &self.system);
-            self.record(&sums, &misfit);
-            let step = noise::step(&sums, &misfit.squares, &self.system, &mut self.information);
+            let near = if fine { SETTLED } else { NEAR };
+            if self.damping > 0.0 || solve.misfit.is_none() || solve.promised > near {
+                continue;
+            }
+            let (sums, spreads) = self.joint.sums(&solve.from, &self.system, &solve.change);
+            self.record(&sums, solve.misfit);
+            let step = noise::step(&sums, &self.system, &mut self.information);
             self.estimate.variances = noise::stepped(&self.estimate.variances, &step);
             if self.limits.false_share > 0.0 {
                 self.judge(&sums.sightings);
             }
-            fine |= step.log_variances.iter().all(|change| change.abs() < FINE);
-            let settled = solve.promised + step.gain < self.limits.tolerance;
-            if fine && settled && !self.refresh()? {
+            if !fine {
+                fine = step.gain < FINE && !self.refresh(0.0)?;
+            } else if solve.promised + step.gain < self.limits.tolerance || self.stalls(since) {
                 return Ok(());
+            } else {
+                since += 1;
             }
             if fine && spread < SPREADS {
                 spread += 1;
                 self.joint.spread_towards(&spreads);
             }
+        }
+    }
+
+    /// Whether the likelihood no longer rises, of the last `since` points kept.
+    fn stalls(&self, since: usize) -> bool {
+        let best =
+            |steps: &[Step]| steps.iter().filter_map(|step| step.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
+        let kept = &self.history[self.history.len().saturating_sub(since)..];
+        kept.len() > PATIENCE && {
+            let (before, lately) = kept.split_at(kept.len() - PATIENCE);
+            best(lately) < best(before) + STALL
         }
     }
 
@@ -110,8 +137,9 @@ impl<'a> Search<'a> {
     }
 
     /// Runs filter and smoother again under what was learned: where the robot had not seen anything for long,
-    /// Gauss-Newton cannot turn a trajectory that went round the wrong way. Whether that gave a better one.
-    fn refresh(&mut self) -> Result<bool, Broke> {
+    /// Gauss-Newton cannot turn a trajectory that went round the wrong way. Whether that gave a trajectory of a cost
+    /// lower by a `share`.
+    fn refresh(&mut self, share: f64) -> Result<bool, Broke> {
         self.refreshes += 1;
         if self.refreshes > REFRESHES {
             return Ok(false);
@@ -135,7 +163,7 @@ impl<'a> Search<'a> {
         self.damping = 1.0;
         self.descend()?;
         // A nat of the likelihood is two of the cost.
-        let better = self.joint.misfit(&self.estimate).cost < cost - 2.0;
+        let better = self.joint.misfit(&self.estimate).cost < (1.0 - share) * cost - 2.0;
         if !better {
             self.estimate = before;
             self.damping = 0.0;
@@ -157,14 +185,18 @@ impl<'a> Search<'a> {
             return Err("the estimate is not finite");
         }
         let from = self.estimate.clone();
-        let misfit = self.step();
+        // Where the cost bends more than it is linearised, whole steps would swing from side to side.
+        let swings = promised < NEAR && promised > 0.5 * self.promised;
+        self.promised = promised;
+        let change = Change { poses: self.system.solution(), parameters: self.system.parameters() };
+        let misfit = self.step(&change, if swings { 0.5 } else { 1.0 });
         self.damping = match misfit {
             Some(_) if damping < 1e-3 => 0.0,
             Some(_) => 0.1 * damping,
             None if damping > 1e6 => return Err("no step lowers the cost"),
             None => (10.0 * damping).max(1e-2),
         };
-        Ok(Solve { promised, from, misfit })
+        Ok(Solve { promised, from, change, misfit })
     }
 
     fn factorise(&mut self, hold: Hold) -> Result<(), Broke> {
@@ -175,12 +207,11 @@ impl<'a> Search<'a> {
     }
 
     /// Moves along the solution, as far as the cost falls, and says what is left there; `None` if it does not.
-    fn step(&mut self) -> Option<Misfit> {
-        let (poses, parameters) = (self.system.solution(), self.system.parameters());
+    fn step(&mut self, change: &Change, whole: f64) -> Option<Misfit> {
         let before = self.joint.misfit(&self.estimate).cost;
-        let mut part = 1.0;
+        let mut part = whole;
         for _halving in 0..4 {
-            let next = Joint::moved(&self.estimate, &poses, &parameters, part);
+            let next = Joint::moved(&self.estimate, change, part);
             let misfit = self.joint.misfit(&next);
             if misfit.cost < before + 1e-6 * before {
                 self.estimate = next;
@@ -192,7 +223,8 @@ impl<'a> Search<'a> {
     }
 
     /// Keeps the models and their likelihood, poses and parameters integrated out (Laplace's approximation).
-    fn record(&mut self, sums: &Sums, misfit: &Misfit) {
+    fn record(&mut self, sums: &Sums, misfit: Option<Misfit>) {
+        let Some(misfit) = misfit else { return };
         let variances = self.estimate.variances.iter().zip(sums.count);
         let volume = variances.fold(0.0, |sum, (variance, n)| sum + n * ln(*variance));
         // As many factors of 2 pi as there are sightings: those of motion leave with the poses.

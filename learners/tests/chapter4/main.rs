@@ -1,5 +1,6 @@
 //! The learners of chapter 4 on logs whose truth is known.
 
+mod batch;
 mod conformance;
 mod consistency;
 mod kernels;
