@@ -4,6 +4,7 @@
 mod joint;
 mod noise;
 mod search;
+mod spread;
 pub(crate) mod start;
 #[cfg(test)]
 mod tests;

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use asami_dataset::log::Frame;
 use asami_dataset::{Action, Beacon, Command, Known, Log, Sighting, Size};
-use asami_math::bordered::{Bordered, Link};
+use asami_math::bordered::Link;
 
-use super::joint::{Estimate, Hold, Joint, KINDS, Spread};
+use super::joint::{Estimate, Hold, Joint, KINDS};
+use super::spread::Spread;
 use crate::plane::Plane;
 
 const STEPS: usize = 12;
@@ -95,15 +96,14 @@ fn right_hand_sides_are_the_slope_of_the_cost() {
         -0.5 * (at(1e-6) - at(-1e-6)) / 2e-6
     };
     let close = |a: f64, b: f64| (a - b).abs() < 1e-4 * (1.0 + a.abs());
-    for t in 0..STEPS {
-        for i in 0..3 {
+    for (t, state) in states.iter().enumerate() {
+        for (i, side) in state.iter().enumerate() {
             let by = slope(&|estimate, h| estimate.poses[t][i] += h);
-            assert!(close(by, states[t][i]), "pose {t} {i}: {by} {}", states[t][i]);
+            assert!(close(by, *side), "pose {t} {i}: {by} {side}");
         }
     }
     for (i, side) in parameters.iter().enumerate() {
         let by = slope(&|estimate, h| estimate.parameters[i] += h);
         assert!(close(by, *side), "parameter {i}: {by} {side}");
     }
-    let _ = Bordered::new;
 }

@@ -199,10 +199,9 @@ impl Bordered {
         let sides: Vec<Vec<f64>> =
             (0..self.columns).map(|c| (0..p).map(|i| border[i * width + p + c]).collect()).collect();
         self.border_solution = sides.iter().map(|side| cholesky_solve(&self.border, side)).collect();
-        for c in 0..self.columns {
-            for d in 0..self.columns {
-                self.gram[c * self.columns + d] += dot(&sides[c], &self.border_solution[d]);
-            }
+        let pairs = sides.iter().flat_map(|side| self.border_solution.iter().map(move |solution| dot(side, solution)));
+        for (gram, pair) in self.gram.iter_mut().zip(pairs) {
+            *gram += pair;
         }
         Some(())
     }
