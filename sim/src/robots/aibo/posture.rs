@@ -35,7 +35,7 @@ impl Start {
 }
 
 /// How evenly the head scans: 0 like a sine, towards 1 at one speed between sudden turns.
-const EVENNESS: f64 = 0.95;
+const EVENNESS: f64 = 0.995;
 
 /// All joints at `t_s`: the legs as the gait wants them, neck tilt, pan and nod so that neck and camera
 /// are held as configured over a torso at its stance's pitch.
