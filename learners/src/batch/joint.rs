@@ -33,14 +33,14 @@ pub(super) struct Estimate {
 
 /// A residual: on average over the points around a pose, its value, and its derivatives by some of the link's
 /// unknowns.
-struct Row<'a> {
-    kind: usize,
+pub(super) struct Row<'a> {
+    pub(super) kind: usize,
     /// Of which sighting it is, if of one.
     sighting: Option<usize>,
     /// How much it counts.
-    weight: f64,
+    pub(super) weight: f64,
     value: f64,
-    by: &'a [Derivative],
+    pub(super) by: &'a [Derivative],
     /// Variance of the value over the points.
     scatter: f64,
     /// How the derivatives by the sensor's coefficients, the last of `by`, differ from their mean, at each point.
@@ -49,11 +49,11 @@ struct Row<'a> {
 
 /// A residual's derivative.
 #[derive(Clone, Copy, Debug, Default)]
-struct Derivative {
+pub(super) struct Derivative {
     /// By which of the link's unknowns.
-    at: usize,
+    pub(super) at: usize,
     /// Its mean over the points.
-    mean: f64,
+    pub(super) mean: f64,
     /// Its covariance with the value over the points.
     scatter: f64,
 }
@@ -189,7 +189,7 @@ impl<'a> Joint<'a> {
     }
 
     /// Visits every residual of link `t`.
-    fn rows(&self, estimate: &Estimate, t: usize, visit: &mut impl FnMut(&Row)) {
+    pub(super) fn rows(&self, estimate: &Estimate, t: usize, visit: &mut impl FnMut(&Row)) {
         self.motion_rows(estimate, t, visit);
         self.sighting_rows(estimate, t, 0, visit);
         if t + 2 == self.plane.frames.len() {

@@ -1,6 +1,7 @@
 //! Both models, all noise and all poses at once, by Gauss-Newton on the bordered normal equations: where
 //! expectation-maximisation takes hundreds of passes, tens of solves.
 
+mod bound;
 mod joint;
 mod noise;
 mod search;
@@ -15,6 +16,7 @@ use asami_dataset::{ActionModel, Log, Models, Noise, Rng, SensorModel};
 use crate::learner::{CannotLearn, Learned, Learner, learner};
 use crate::line::Unit;
 use crate::plane::Plane;
+pub use bound::{PlaneBound, plane_bound};
 use joint::{Estimate, Joint};
 use search::Search;
 use start::Start;
@@ -88,12 +90,16 @@ impl Batch {
         let mut sensor = start.sensor.rebased(centre_m, scale_m).coefficients;
         sensor.resize(self.sensor_degree as usize + 1, 0.0);
         let parameters: Vec<f64> = start.velocities.iter().flatten().copied().chain(sensor).collect();
-        let velocities = 3 * start.velocities.len();
-        let information = |i: usize| if i < velocities { VELOCITY_SD.powi(-2) } else { SENSOR_SD.powi(-2) };
-        let vague = (0..parameters.len()).map(|i| [information(i), 0.0]).collect();
-        let joint = Joint::new(plane, centre_m, scale_m, vague);
+        let prior = vague(start.velocities.len(), self.sensor_degree as usize + 1);
+        let joint = Joint::new(plane, centre_m, scale_m, prior);
         Some((Estimate { poses, parameters, variances: start.variances }, joint))
     }
+}
+
+/// Information and mean of all parameters beforehand: next to none.
+fn vague(actions: usize, coefficients: usize) -> Vec<[f64; 2]> {
+    let velocities = std::iter::repeat_n([1.0 / (VELOCITY_SD * VELOCITY_SD), 0.0], 3 * actions);
+    velocities.chain(std::iter::repeat_n([1.0 / (SENSOR_SD * SENSOR_SD), 0.0], coefficients)).collect()
 }
 
 /// Centre and half the span of the distances at which a robot among the landmarks may see them.

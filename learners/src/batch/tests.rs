@@ -6,6 +6,9 @@ use asami_dataset::log::Frame;
 use asami_dataset::{Action, Beacon, Command, Known, Log, Sighting, Size};
 use asami_math::bordered::Link;
 
+use nalgebra::DMatrix;
+
+use super::bound::noise_information;
 use super::joint::{Estimate, Hold, Joint, KINDS};
 use super::spread::Spread;
 use crate::plane::Plane;
@@ -105,5 +108,48 @@ fn right_hand_sides_are_the_slope_of_the_cost() {
     for (i, side) in parameters.iter().enumerate() {
         let by = slope(&|estimate, h| estimate.parameters[i] += h);
         assert!(close(by, *side), "parameter {i}: {by} {side}");
+    }
+}
+
+/// Against traces of dense matrices: no elimination, no differences.
+#[test]
+fn information_of_the_noise_is_that_of_the_dense_rows() {
+    let log = log();
+    let plane = Plane::try_from(&log).unwrap();
+    let mut joint = joint(&plane);
+    joint.spreads = vec![Spread::default(); STEPS];
+    let here = estimate();
+    let n = 3 * STEPS + here.parameters.len();
+    let (mut kinds, mut rows) = (Vec::new(), Vec::new());
+    for t in 0..STEPS - 1 {
+        joint.rows(&here, t, &mut |row| {
+            let mut dense = vec![0.0; n];
+            for by in row.by {
+                let at = match by.at {
+                    0..6 => 3 * t + by.at,
+                    6..9 => 3 * STEPS + 3 * plane.frames[t].action + by.at - 6,
+                    _ => 3 * STEPS + 6 + by.at - 9,
+                };
+                dense[at] += by.mean * (row.weight / here.variances[row.kind]).sqrt();
+            }
+            kinds.push(row.kind);
+            rows.extend(dense);
+        });
+    }
+    let a = DMatrix::from_row_slice(kinds.len(), n, &rows);
+    let mut normal = a.transpose() * &a;
+    for i in 0..n {
+        normal[(i, i)] += if i < 3 { 1e-4 } else { 0.0 };
+        normal[(i, i)] += if i >= 3 * STEPS { joint.prior[i - 3 * STEPS][0] } else { 0.0 };
+    }
+    let m = DMatrix::identity(kinds.len(), kinds.len()) - &a * normal.try_inverse().unwrap() * a.transpose();
+    let information = noise_information(&joint, &here).unwrap();
+    for i in 0..KINDS {
+        for j in 0..KINDS {
+            let pairs = (0..kinds.len()).flat_map(|k| (0..kinds.len()).map(move |l| (k, l)));
+            let of = pairs.filter(|(k, l)| kinds[*k] == i && kinds[*l] == j);
+            let dense = 0.5 * of.map(|at| m[at] * m[at]).sum::<f64>();
+            assert!((information[i][j] - dense).abs() < 1e-4 * (1.0 + dense), "{i} {j}: {} {dense}", information[i][j]);
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! The learners of chapter 4 on logs whose truth is known.
 
 mod batch;
+mod bound;
 mod conformance;
 mod consistency;
 mod kernels;

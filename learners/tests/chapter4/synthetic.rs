@@ -88,6 +88,12 @@ impl Walker {
 
     /// The log of one seed.
     pub fn log(&self, seed: u64) -> Log {
+        self.walk(seed).0
+    }
+
+    /// The log of one seed, and the pose at each of its frames.
+    pub fn walk(&self, seed: u64) -> (Log, Vec<[f64; 3]>) {
+        let mut poses = Vec::with_capacity(self.steps);
         let mut policy = Seed(seed).stream("policy");
         let (mut motion, mut sight) = (Seed(seed).stream("motion"), Seed(seed).stream("sight"));
         let normal = |rng: &mut asami_dataset::Rng| -> f64 { StandardNormal.sample(rng) };
@@ -107,6 +113,7 @@ impl Walker {
             }
             let pan = 1.4 * sin(TAU * t_s / 2.0);
             frames.push(Frame { t_s, head_pan_rad: pan });
+            poses.push(pose);
             for (id, place) in (0..).zip(BEACONS) {
                 let (e1, e2): (f64, f64) = (normal(&mut sight), normal(&mut sight));
                 let (odd, recognised) = (sight.random::<f64>(), sight.random::<f64>() < 0.86);
@@ -133,13 +140,14 @@ impl Walker {
             pose[1] += s * moved[0] + c * moved[1];
             pose[2] += moved[2];
         }
-        Log {
+        let log = Log {
             known: Arc::new(self.known()),
             commands: commands.into(),
             frames: Some(frames.into()),
             sightings: sightings.into(),
             ..Log::default()
-        }
+        };
+        (log, poses)
     }
 
     fn known(&self) -> Known {
