@@ -5,9 +5,11 @@
 
 pub mod action_from_sensor;
 pub mod algorithm1;
+mod augmented;
 pub mod batch;
 pub mod canonical;
 pub mod degree_selection;
+pub mod dual_ekf;
 pub mod em;
 pub mod em_1d_published;
 pub mod em_best;
@@ -19,6 +21,7 @@ pub mod em_robust;
 pub mod em_rts;
 pub mod em_shared;
 pub mod em_squarem;
+pub mod joint_ekf;
 pub mod learner;
 pub mod likelihood;
 pub mod line;
@@ -122,4 +125,6 @@ learners! {
     em_best => EmBest,
     em_1d_published => Em1dPublished,
     batch => Batch,
+    joint_ekf => JointEkf,
+    dual_ekf => DualEkf,
 }

@@ -105,16 +105,17 @@ pub(super) fn noise_information(joint: &Joint, truth: &Estimate) -> Option<Vec<V
         Some(joint.sums(&moved, &system, &still).0)
     };
     let here = leverage(0, 0.0)?;
-    let mut information = vec![vec![0.0; KINDS]; KINDS];
+    let mut columns = Vec::with_capacity(KINDS);
     for j in 0..KINDS {
         let (after, before) = (leverage(j, STEP)?, leverage(j, -STEP)?);
-        for i in 0..KINDS {
+        let entry = |i: usize| {
             // d tr(P D_i) / d ln lambda_j = [i = j] tr(P D_i) - tr(P D_i P D_j).
             let slope = (after.leverage[i] - before.leverage[i]) / (2.0 * STEP);
             let own = if i == j { here.count[i] - here.leverage[i] } else { 0.0 };
-            information[i][j] = 0.5 * (own - slope);
-        }
+            0.5 * (own - slope)
+        };
+        columns.push((0..KINDS).map(entry).collect::<Vec<f64>>());
     }
     // Symmetric but for the differences' rounding.
-    Some((0..KINDS).map(|i| (0..KINDS).map(|j| 0.5 * (information[i][j] + information[j][i])).collect()).collect())
+    Some((0..KINDS).map(|i| (0..KINDS).map(|j| 0.5 * (columns[i][j] + columns[j][i])).collect()).collect())
 }

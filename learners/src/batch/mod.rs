@@ -103,7 +103,7 @@ fn vague(actions: usize, coefficients: usize) -> Vec<[f64; 2]> {
 }
 
 /// Centre and half the span of the distances at which a robot among the landmarks may see them.
-fn distances(plane: &Plane) -> (f64, f64) {
+pub(crate) fn distances(plane: &Plane) -> (f64, f64) {
     let places = plane.landmarks();
     let span = |k: usize| {
         let along = places.values().map(|place| place[k]);

@@ -144,12 +144,12 @@ fn information_of_the_noise_is_that_of_the_dense_rows() {
     }
     let m = DMatrix::identity(kinds.len(), kinds.len()) - &a * normal.try_inverse().unwrap() * a.transpose();
     let information = noise_information(&joint, &here).unwrap();
-    for i in 0..KINDS {
-        for j in 0..KINDS {
+    for (i, row) in information.iter().enumerate() {
+        for (j, entry) in row.iter().enumerate() {
             let pairs = (0..kinds.len()).flat_map(|k| (0..kinds.len()).map(move |l| (k, l)));
             let of = pairs.filter(|(k, l)| kinds[*k] == i && kinds[*l] == j);
             let dense = 0.5 * of.map(|at| m[at] * m[at]).sum::<f64>();
-            assert!((information[i][j] - dense).abs() < 1e-4 * (1.0 + dense), "{i} {j}: {} {dense}", information[i][j]);
+            assert!((entry - dense).abs() < 1e-4 * (1.0 + dense), "{i} {j}: {entry} {dense}");
         }
     }
 }

@@ -4,6 +4,7 @@ mod batch;
 mod bound;
 mod conformance;
 mod consistency;
+mod filters;
 mod kernels;
 mod lacking;
 mod line;
