@@ -5,4 +5,5 @@ pub mod camera;
 pub mod image;
 mod paint;
 mod raster;
+pub mod velodyne;
 pub mod vision;
