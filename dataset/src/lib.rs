@@ -4,6 +4,7 @@
 //! motion-capture rig knows). Learners and diagnosers are given `&Log` alone: nothing in a `Log`
 //! leads to its `Truth`, so that a leak does not compile.
 
+pub mod firings;
 pub mod log;
 pub mod models;
 pub mod parameters;
@@ -12,6 +13,7 @@ pub mod store;
 pub mod survey;
 pub mod truth;
 
+pub use firings::Firings;
 pub use log::{Action, Beacon, Camera, Channel, Command, Frame, Known, Log, Odometry, Sighting, Size, Timed};
 pub use models::{ActionModel, Models, Noise, SensorModel};
 pub use seed::{Rng, Seed};

@@ -3,6 +3,8 @@
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
+use crate::firings::Firings;
+
 /// A row with a time.
 pub trait Timed {
     /// Seconds since the log began.
@@ -251,11 +253,13 @@ pub struct Log {
     pub sightings: Channel<Sighting>,
     /// Own motion measured, if at all.
     pub odometry: Channel<Odometry>,
+    /// What a laser scanner recorded, of a robot that has one.
+    pub firings: Option<Arc<Firings>>,
 }
 
 impl Log {
     /// The part of the log with `span_s.start <= t < span_s.end`, times unchanged; the command in
-    /// force at the start is kept, from the start on.
+    /// force at the start is kept, from the start on. Firings are copied where the span cuts any off.
     #[must_use]
     pub fn window(&self, span_s: Range<f64>) -> Log {
         let mut commands = self.commands.window(&span_s);
@@ -272,6 +276,10 @@ impl Log {
             frames: self.frames.as_ref().map(|frames| frames.window(&span_s)),
             sightings: self.sightings.window(&span_s),
             odometry: self.odometry.window(&span_s),
+            firings: self.firings.as_ref().map(|firings| {
+                let within = firings.within(&span_s);
+                if within == (0..firings.len()) { Arc::clone(firings) } else { Arc::new(firings.part(within)) }
+            }),
         }
     }
 
@@ -283,6 +291,7 @@ impl Log {
             self.frames.as_ref().and_then(|frames| ends(frames)),
             ends(&self.sightings),
             ends(&self.odometry),
+            self.firings.as_ref().and_then(|firings| Some((*firings.t_s.first()?, *firings.t_s.last()?))),
         ];
         ends.into_iter().flatten().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }

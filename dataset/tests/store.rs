@@ -199,6 +199,7 @@ fn dataset() -> impl Strategy<Value = Dataset> {
                     omega_rad_per_s,
                 }),
                 known: Arc::new(known),
+                ..Log::default()
             };
             let track =
                 rows(track, |t_s, (x_m, y_m, theta_rad, v_m_per_s)| TruePose { t_s, x_m, y_m, theta_rad, v_m_per_s });

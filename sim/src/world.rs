@@ -71,6 +71,7 @@ pub fn run(world: &mut dyn World, drive: &mut dyn Drive, until_s: f64) -> Datase
         frames: Some(Channel::from(seen.frames)),
         sightings: seen.sightings.into(),
         odometry: seen.odometry.into(),
+        firings: None,
     };
     Dataset { log, truth: Truth { track: track.into(), survey: None }, provenance: None }
 }

@@ -81,12 +81,13 @@ pub fn read(dir: &Path) -> Result<Dataset, ReadError> {
         frames: frames.map(Channel::from),
         sightings: channel(sightings),
         odometry: channel(odometry),
+        firings: None,
     };
     Ok(Dataset { log, truth: Truth { track: channel(track), survey }, provenance })
 }
 
-/// Writes `dataset` into the folder `dir`, which is made if need be; files of the format that stand
-/// there are replaced or, where the data set has nothing for them, removed.
+/// Writes `dataset`, less its laser firings, into the folder `dir`, which is made if need be; files of the format that
+/// stand there are replaced or, where the data set has nothing for them, removed.
 ///
 /// # Errors
 /// [`WriteError`] where a file cannot be written, or the data set holds what the reader would refuse;
