@@ -7,19 +7,21 @@
 //! cargo run --example gait_search -- - 300           # the default gait's
 //! ```
 
+mod searching;
+
 use std::error::Error;
 
 use asami_dataset::parameters::Parameters;
 use asami_dataset::{Action, Rng, Seed};
 use asami_math::angle::wrap_rad;
 use asami_sim::effects::Effects;
-use asami_sim::robots::aibo::config::Gait;
 use asami_sim::robots::aibo::{AiboConfig, AiboWorld, BuildError, Start};
 use asami_sim::scenes::field::Field;
 use asami_sim::sensors::camera::CameraConfig;
 use asami_sim::world::{Record, World};
 use nalgebra::{DMatrix, DVector};
-use rand::RngExt;
+
+use searching::{Searched, tried};
 
 /// Seeds below 1000 belong to the experiments.
 const SEED: u64 = 1000;
@@ -152,8 +154,8 @@ fn residual(x: &[f64], y: &[f64], powers: &[i32]) -> f64 {
     }
 }
 
-/// The ranges searched, and how the best so far is changed.
-const SEARCHED: [(&str, f64, f64); 9] = [
+/// The ranges searched.
+const SEARCHED: [Searched; 9] = [
     ("swing_easing", 0.0, 1.0),
     ("period_s", 0.36, 0.9),
     ("duty", 0.5, 0.62),
@@ -171,19 +173,7 @@ fn search(config: &mut AiboConfig, tries: u32, rng: &mut Rng) -> Result<(), Buil
     let mut least = f64::INFINITY;
     for n in 0..tries {
         let mut other = config.clone();
-        for (name, low, high) in SEARCHED {
-            let at = Gait::table().iter().position(|parameter| parameter.name == name);
-            let now = at.map_or(low, |at| other.gait.values()[at]);
-            let (chance, part): (f64, f64) = (rng.random(), rng.random());
-            // Small changes of about half the numbers; now and then something else altogether.
-            let value = match n {
-                0 => now,
-                _ if n % 8 == 7 => low + part * (high - low),
-                _ if chance < 0.5 => now,
-                _ => (now + 0.2 * (part - 0.5) * (high - low)).clamp(low, high),
-            };
-            other.gait.set(name, value);
-        }
+        other.gait = tried(&config.gait, &SEARCHED, n, rng);
         let cost = cost(&other, &commands, least)?;
         if cost < least {
             least = cost;

@@ -7,6 +7,8 @@
 //! cargo run --example suite -- robot.toml 0 7 30 # over 30 s each
 //! ```
 
+mod searching;
+
 use std::error::Error;
 
 use asami_dataset::parameters::Parameters;
@@ -14,14 +16,15 @@ use asami_dataset::{Action, Rng, Seed, TruePose};
 use asami_math::angle::wrap_rad;
 use asami_sim::drives::suite::Suite;
 use asami_sim::effects::Effects;
-use asami_sim::robots::aibo::config::{Gait, HeadingHold};
+use asami_sim::robots::aibo::config::HeadingHold;
 use asami_sim::robots::aibo::{AiboConfig, AiboWorld, BuildError, Start};
 use asami_sim::scenes::field::Field;
 use asami_sim::sensors::camera::CameraConfig;
 use asami_sim::survey::mean_velocity;
 use asami_sim::world::{Record, World};
-use rand::RngExt;
 use serde::Deserialize;
+
+use searching::{Searched, tried};
 
 /// Seeds below 1000 belong to the experiments.
 const SEED: u64 = 1000;
@@ -122,8 +125,8 @@ fn walk(config: &AiboConfig, action: Action, seed: u64, measure_s: f64) -> Resul
     Ok(Walk { velocity, turn_sd, least_up })
 }
 
-/// The ranges searched, and how the best so far is changed.
-const SEARCHED: [(&str, f64, f64); 9] = [
+/// The ranges searched.
+const SEARCHED: [Searched; 9] = [
     ("swing_easing", 0.0, 1.0),
     ("period_s", 0.3, 0.9),
     ("duty", 0.5, 0.62),
@@ -139,19 +142,7 @@ fn search(robot: &mut Robot, tries: u32, rng: &mut Rng) -> Result<(), BuildError
     let mut least = f64::INFINITY;
     for n in 0..tries {
         let mut other = robot.clone();
-        for (name, low, high) in SEARCHED {
-            let at = Gait::table().iter().position(|parameter| parameter.name == name);
-            let now = at.map_or(low, |at| other.aibo.gait.values()[at]);
-            let (chance, part): (f64, f64) = (rng.random(), rng.random());
-            // Small changes of about half the numbers; now and then something else altogether.
-            let value = match n {
-                0 => now,
-                _ if n % 8 == 7 => low + part * (high - low),
-                _ if chance < 0.5 => now,
-                _ => (now + 0.2 * (part - 0.5) * (high - low)).clamp(low, high),
-            };
-            other.aibo.gait.set(name, value);
-        }
+        other.aibo.gait = tried(&robot.aibo.gait, &SEARCHED, n, rng);
         let cost = cost(&other, least)?;
         if cost < least {
             least = cost;
