@@ -1,16 +1,14 @@
 //! The robot among tubes.
 
-use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::path::Path;
 
 use asami::import::barfoot_2d::read;
 use asami_dataset::{Dataset, Size, store};
 
-use crate::{import, real, said, unspaced};
+use crate::{Source, import, real, refused, refused_when_broken, said, unspaced, write};
 
 /// A robot that drives a circle of 1 m about (3, 0), counter-clockwise, and sees two tubes without noise.
-fn source() -> BTreeMap<&'static str, String> {
+fn source() -> Source {
     let mut track =
         String::from("t_s,v_odometry_m_per_s,omega_odometry_rad_per_s,x_true_m,y_true_m,theta_true_rad,truth_valid\n");
     let mut seen = String::from("t_s,landmark,range_m,bearing_rad\n");
@@ -24,19 +22,13 @@ fn source() -> BTreeMap<&'static str, String> {
         }
     }
     let landmarks = format!("landmark,x_m,y_m\n0,{},{}\n1,{},{}\n", TUBES[0][0], TUBES[0][1], TUBES[1][0], TUBES[1][1]);
-    BTreeMap::from([("landmarks.csv", landmarks), ("odometry_and_truth.csv", track), ("sightings.csv", seen)])
+    Source::from([("landmarks.csv", landmarks), ("odometry_and_truth.csv", track), ("sightings.csv", seen)])
 }
 
 const TUBES: [[f64; 2]; 2] = [[0.0, 2.0], [5.0, -4.0]];
 
 fn wrapped(angle_rad: f64) -> f64 {
     (angle_rad + PI).rem_euclid(2.0 * PI) - PI
-}
-
-fn write(files: &BTreeMap<&str, String>, dir: &Path) {
-    for (name, text) in files {
-        std::fs::write(dir.join(name), text).unwrap();
-    }
 }
 
 #[test]
@@ -72,39 +64,30 @@ fn a_made_log_becomes_a_data_set_in_our_frame() {
 
 #[test]
 fn broken_sources_are_refused_with_their_line() {
-    let dir = tempfile::tempdir().unwrap();
     let cases = [
-        ("landmarks.csv", "\n1,", "\n0,", "landmarks.csv:3: landmark must increase, not 0"),
-        ("landmarks.csv", "\n1,", "\n1.5,", "landmarks.csv:3: landmark must be a whole number in 0..=65535, not 1.5"),
-        ("landmarks.csv", "x_m", "x", "landmarks.csv:1: the header must have a column x_m; it has landmark,x,y_m"),
-        ("odometry_and_truth.csv", "\n0.1,", "\n0.0,", "odometry_and_truth.csv:3: t_s must increase, not 0 after 0"),
-        ("odometry_and_truth.csv", "\n0.1,0.2", "\n0.1,", "v_odometry_m_per_s must be a finite number, not empty"),
-        (
+        ["landmarks.csv", "\n1,", "\n0,", "landmarks.csv:3: landmark must increase, not 0"],
+        ["landmarks.csv", "\n1,", "\n1.5,", "landmarks.csv:3: landmark must be a whole number in 0..=65535, not 1.5"],
+        ["landmarks.csv", "x_m", "x", "landmarks.csv:1: the header must have a column x_m; it has landmark,x,y_m"],
+        ["odometry_and_truth.csv", "\n0.1,", "\n0.0,", "odometry_and_truth.csv:3: t_s must increase, not 0 after 0"],
+        ["odometry_and_truth.csv", "\n0.1,0.2", "\n0.1,", "v_odometry_m_per_s must be a finite number, not empty"],
+        [
             "odometry_and_truth.csv",
             "0,1.5707963267948966",
             "0,90.0",
             "theta_true_rad must be an angle of at most a turn, 2 pi rad (is the column in degrees?), not 90",
-        ),
-        ("sightings.csv", "\n0.0,1", "\n0.0,2", "sightings.csv:3: landmark must be one of landmarks.csv, not 2"),
-        ("sightings.csv", "\n0.1,0", "\n0.15,0", "t_s must be the time of a row of odometry_and_truth.csv, not 0.15"),
-        ("sightings.csv", "\n0.1,0,", "\n0.1,0,-", "sightings.csv:4: range_m must be greater than 0, not -"),
-        ("sightings.csv", "\n0.1,0", "\n0.3,0", "sightings.csv:5: t_s must not decrease, not 0.1 after 0.3"),
+        ],
+        ["sightings.csv", "\n0.0,1", "\n0.0,2", "sightings.csv:3: landmark must be one of landmarks.csv, not 2"],
+        ["sightings.csv", "\n0.1,0", "\n0.15,0", "t_s must be the time of a row of odometry_and_truth.csv, not 0.15"],
+        ["sightings.csv", "\n0.1,0,", "\n0.1,0,-", "sightings.csv:4: range_m must be greater than 0, not -"],
+        ["sightings.csv", "\n0.1,0", "\n0.3,0", "sightings.csv:5: t_s must not decrease, not 0.1 after 0.3"],
     ];
-    for (file, from, to, expected) in cases {
-        let mut files = source();
-        let text = &files[file];
-        assert!(text.contains(from), "{file}: {from:?} in {}", &text[..200.min(text.len())]);
-        files.insert(file, text.replacen(from, to, 1));
-        write(&files, dir.path());
-        let run = import("barfoot-2d", dir.path(), None, &dir.path().join("set"));
-        assert_eq!(run.status.code(), Some(2));
-        assert!(said(&run).contains(&unspaced(expected)), "\nwanted: {expected}\nfound:  {}", said(&run));
-    }
+    refused_when_broken("barfoot-2d", &source(), None, &cases);
+    let dir = tempfile::tempdir().unwrap();
+    write(&source(), dir.path());
+    refused("barfoot-2d", dir.path(), Some(1), "robot must be left out");
     std::fs::remove_file(dir.path().join("sightings.csv")).unwrap();
-    let absent = import("barfoot-2d", dir.path(), None, &dir.path().join("set"));
-    assert!(said(&absent).contains("sightings.csv:nosuchfile") && said(&absent).contains("LostintheWoods"));
-    let robot = import("barfoot-2d", dir.path(), Some(1), &dir.path().join("set"));
-    assert!(said(&robot).contains("robotmustbeleftout"), "{}", said(&robot));
+    refused("barfoot-2d", dir.path(), None, "sightings.csv: no such file");
+    refused("barfoot-2d", dir.path(), None, "Lost in the Woods");
 }
 
 #[test]

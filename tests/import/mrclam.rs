@@ -1,17 +1,15 @@
 //! Five robots among landmarks.
 
-use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 use std::io::Write;
-use std::path::Path;
 
 use asami::import::mrclam::read;
 use asami_dataset::{Action, Dataset, Size, store};
 
-use crate::{import, real, said, unspaced};
+use crate::{Source, import, real, refused, refused_when_broken, said, unspaced, write};
 
 /// A robot that drives along +x at 0.1 m/s and sees a landmark ahead, another robot, and a barcode that nobody has.
-fn source() -> BTreeMap<&'static str, String> {
+fn source() -> Source {
     let (mut odometry, mut measurement, mut groundtruth) = (String::new(), String::new(), String::new());
     for n in 0..100 {
         let t_s = 1_248_444_175.0 + f64::from(n) * 0.1;
@@ -24,19 +22,13 @@ fn source() -> BTreeMap<&'static str, String> {
             measurement += &format!("{t_s:.3} \t 41 \t 2.0 \t 0.1\n{t_s:.3} \t 99 \t 2.0 \t 0.1\n");
         }
     }
-    BTreeMap::from([
+    Source::from([
         ("Barcodes.dat", "# Subject #    Barcode #\n  1 \t 5\n  3 \t 41\n  6 \t 14\n".to_owned()),
         ("Landmark_Groundtruth.dat", "# Subject\n  6 \t 4.0 \t 1.0 \t 0.00004570 \t 0.00027395\n".to_owned()),
         ("Robot1_Odometry.dat", "# Time [s]\n".to_owned() + &odometry),
         ("Robot1_Measurement.dat", "# Time [s]\n".to_owned() + &measurement),
         ("Robot1_Groundtruth.dat", "# Time [s]\n".to_owned() + &groundtruth),
     ])
-}
-
-fn write(files: &BTreeMap<&str, String>, dir: &Path) {
-    for (name, text) in files {
-        std::fs::write(dir.join(name), text).unwrap();
-    }
 }
 
 #[test]
@@ -91,52 +83,39 @@ fn of_two_commands_of_one_time_the_later_holds() {
 
 #[test]
 fn broken_sources_are_refused_with_their_line() {
-    let dir = tempfile::tempdir().unwrap();
     let cases = [
-        (
+        [
             "Barcodes.dat",
             "6 \t 14",
             "7 \t 14",
             "Barcodes.dat:4: subject must be a robot or a landmark of Landmark_Groundtruth.dat, not 7",
-        ),
-        ("Barcodes.dat", "6 \t 14", "6 \t 41", "Barcodes.dat:4: barcode must belong to one subject, not 41"),
-        ("Landmark_Groundtruth.dat", "  6", "  4", "Landmark_Groundtruth.dat:2: subject must be greater than"),
-        ("Landmark_Groundtruth.dat", "4.0 \t", "", "must have 5 fields (subject x y x std-dev y std-dev), not 4"),
-        ("Robot1_Odometry.dat", "175.100", "174.100", "Robot1_Odometry.dat:3: time must not decrease"),
-        (
+        ],
+        ["Barcodes.dat", "6 \t 14", "6 \t 41", "Barcodes.dat:4: barcode must belong to one subject, not 41"],
+        ["Landmark_Groundtruth.dat", "  6", "  4", "Landmark_Groundtruth.dat:2: subject must be greater than"],
+        ["Landmark_Groundtruth.dat", "4.0 \t", "", "must have 5 fields (subject x y x std-dev y std-dev), not 4"],
+        ["Robot1_Odometry.dat", "175.100", "174.100", "Robot1_Odometry.dat:3: time must not decrease"],
+        [
             "Robot1_Odometry.dat",
             "0.100",
             "fast",
             "Robot1_Odometry.dat:2: forward velocity must be a finite number, not fast",
-        ),
-        ("Robot1_Measurement.dat", "14 \t ", "14 \t -", "Robot1_Measurement.dat:2: range must be greater than 0"),
-        (
+        ],
+        ["Robot1_Measurement.dat", "14 \t ", "14 \t -", "Robot1_Measurement.dat:2: range must be greater than 0"],
+        [
             "Robot1_Measurement.dat",
             "2.0 \t 0.1",
             "2.0 \t 45",
             "bearing must be an angle of at most a turn, 2 pi rad (is the column in degrees?), not 45",
-        ),
-        ("Robot1_Groundtruth.dat", "175.100", "175.000", "Robot1_Groundtruth.dat:3: time must increase"),
-        ("Robot1_Groundtruth.dat", "0.0\n", "NaN\n", "orientation must be a finite number, not NaN"),
+        ],
+        ["Robot1_Groundtruth.dat", "175.100", "175.000", "Robot1_Groundtruth.dat:3: time must increase"],
+        ["Robot1_Groundtruth.dat", "0.0\n", "NaN\n", "orientation must be a finite number, not NaN"],
     ];
-    for (file, from, to, expected) in cases {
-        let mut files = source();
-        let text = &files[file];
-        assert!(text.contains(from), "{file}: {from:?}");
-        files.insert(file, text.replacen(from, to, 1));
-        write(&files, dir.path());
-        let run = import("mrclam", dir.path(), Some(1), &dir.path().join("set"));
-        assert_eq!(run.status.code(), Some(2));
-        assert!(said(&run).contains(&unspaced(expected)), "\nwanted: {expected}\nfound:  {}", said(&run));
-    }
-    for (robot, expected) in
-        [(None, "not none"), (Some(6), "one of 1, 2, 3, 4, 5 for mrclam, not 6"), (Some(2), "no such file")]
-    {
-        write(&source(), dir.path());
-        let run = import("mrclam", dir.path(), robot, &dir.path().join("set"));
-        assert_eq!(run.status.code(), Some(2));
-        assert!(said(&run).contains(&unspaced(expected)), "{}", said(&run));
-    }
+    refused_when_broken("mrclam", &source(), Some(1), &cases);
+    let dir = tempfile::tempdir().unwrap();
+    write(&source(), dir.path());
+    refused("mrclam", dir.path(), None, "not none");
+    refused("mrclam", dir.path(), Some(6), "one of 1, 2, 3, 4, 5 for mrclam, not 6");
+    refused("mrclam", dir.path(), Some(2), "no such file");
 }
 
 #[test]
