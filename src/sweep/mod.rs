@@ -10,6 +10,7 @@ pub mod manifest;
 pub mod outcome;
 pub mod plane;
 pub mod progress;
+pub mod quantity;
 pub mod rows;
 pub mod source;
 pub mod spread;

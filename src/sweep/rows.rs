@@ -9,7 +9,7 @@ use super::cases::write_whole;
 use super::{CannotSweep, Results};
 use crate::scenario::{Era, Row, Start};
 use crate::study::Study;
-use crate::trial::Trial;
+use crate::trial::{Case, Trial};
 
 /// Writes `trials.csv`, `timings.csv` and `models/` under `out`.
 ///
@@ -54,6 +54,34 @@ pub fn timings<S: Study>(results: &Results<S>) -> String {
         }
     }
     text
+}
+
+/// What every row of `trials.csv` begins with: scenario, learner, starting model and seed.
+#[must_use]
+pub fn head<S: Study>(results: &Results<S>, trial: &Trial<S::Scores>) -> Vec<String> {
+    let row = &results.scenario.rows[trial.row];
+    let (label, start) = (row.label.clone(), row.start.map_or("", Start::name).to_owned());
+    vec![results.scenario.name.clone(), label, start, trial.case.seed.to_string()]
+}
+
+/// What every row of chapter 4 ends with: duration, what the log lacks, verdict and reason.
+#[must_use]
+pub fn tail<S: Study>(results: &Results<S>, trial: &Trial<S::Scores>) -> [String; 4] {
+    let duration_s = number(results.scenario.rows[trial.row].duration_s);
+    [duration_s, quoted(&trial.lacks.join("; ")), trial.ending.name().to_owned(), quoted(&trial.reason)]
+}
+
+/// Which part of a recording a trial learned from: when it begins, and whether it overlaps others.
+#[must_use]
+pub fn window(case: &Case) -> [String; 2] {
+    let start_s = optional(case.window.map(|window| window.start_s));
+    [start_s, case.window.is_some_and(|window| window.overlapping).to_string()]
+}
+
+/// Adds a row.
+pub fn push(text: &mut String, fields: &[String]) {
+    text.push_str(&fields.join(","));
+    text.push('\n');
 }
 
 /// Metres, or metres a second, as the dissertation prints them; empty for what does not exist.

@@ -36,6 +36,12 @@ pub struct Column {
     pub decimals: usize,
 }
 
+/// A column of this quantity, under this head.
+#[must_use]
+pub const fn column(quantity: &'static str, head: &'static str, decimals: usize) -> Column {
+    Column { quantity, head, decimals }
+}
+
 /// A number that dissertation or truth gives, or the statistics of ours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Entry {

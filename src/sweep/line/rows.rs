@@ -3,9 +3,9 @@
 use asami_dataset::store::number;
 
 use super::Chapter3;
-use crate::scenario::{Origin, Start};
+use crate::scenario::Origin;
 use crate::scorer::line::Scores;
-use crate::sweep::rows::{millimetres, optional, quoted};
+use crate::sweep::rows::{head, millimetres, optional, push, quoted, window};
 use crate::sweep::{Record, Results};
 use crate::trial::Ending;
 
@@ -26,20 +26,13 @@ pub fn trials(results: &Results<Chapter3>) -> String {
     );
     for (record, trial) in results.trials() {
         let row = &results.scenario.rows[trial.row];
-        let mut fields = vec![
-            results.scenario.name.clone(),
-            row.label.clone(),
-            row.start.map_or("", Start::name).to_owned(),
-            trial.case.seed.to_string(),
-            number(row.duration_s),
-            (trial.ending == Ending::Converged).to_string(),
-        ];
+        let mut fields = head(results, trial);
+        fields.extend([number(row.duration_s), (trial.ending == Ending::Converged).to_string()]);
         let scores = &trial.scores;
         fields.extend([millimetres(scores.sensor_rmse_m), millimetres(scores.action_rmse_m_per_s)]);
         fields.push(optional(scores.scale_ratio()));
         if is_recorded {
-            fields.push(optional(trial.case.window.map(|window| window.start_s)));
-            fields.push(trial.case.window.is_some_and(|window| window.overlapping).to_string());
+            fields.extend(window(&trial.case));
         }
         let floor = floor(record);
         fields.extend([millimetres(floor.sensor_rmse_m), millimetres(floor.action_rmse_m_per_s)]);
@@ -49,8 +42,7 @@ pub fn trials(results: &Results<Chapter3>) -> String {
             .extend([trial.sensor_degree, trial.action_degree].map(|n| n.map_or_else(String::new, |n| n.to_string())));
         fields.push(trial.iterations.map_or_else(String::new, |n| n.to_string()));
         fields.extend([trial.ending.name().to_owned(), quoted(&trial.reason)]);
-        text.push_str(&fields.join(","));
-        text.push('\n');
+        push(&mut text, &fields);
     }
     text
 }

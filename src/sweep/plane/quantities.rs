@@ -2,21 +2,16 @@
 
 use super::Truth;
 use crate::scorer::plane::Scores;
+use crate::sweep::quantity::{Quantity, names};
 use crate::trial;
 
 type Trial = trial::Trial<Scores>;
 
-/// A number that a trial has, or not.
-#[derive(Clone, Copy)]
-pub struct Quantity {
-    /// Its column.
-    pub name: &'static str,
-    /// Its value, if it has one.
-    pub of: fn(&Trial, &Truth) -> Option<f64>,
-}
+/// What a trial has, held against the truth.
+pub type Of = fn(&Trial, &Truth) -> Option<f64>;
 
 /// All of them, in the order of their columns.
-pub const QUANTITIES: [Quantity; 31] = [
+pub const QUANTITIES: [Quantity<Of>; 31] = [
     Quantity { name: "iterations", of: |trial, _| trial.iterations.map(f64::from) },
     Quantity { name: "vx_rmse_mm_per_s", of: |trial, _| Some(1e3 * trial.scores.velocity_rmse?[0]) },
     Quantity { name: "vy_rmse_mm_per_s", of: |trial, _| Some(1e3 * trial.scores.velocity_rmse?[1]) },
@@ -57,15 +52,7 @@ pub const QUANTITIES: [Quantity; 31] = [
 ];
 
 /// Their names.
-pub const NAMES: [&str; QUANTITIES.len()] = {
-    let mut names = [""; QUANTITIES.len()];
-    let mut i = 0;
-    while i < names.len() {
-        names[i] = QUANTITIES[i].name;
-        i += 1;
-    }
-    names
-};
+pub const NAMES: [&str; QUANTITIES.len()] = names(&QUANTITIES);
 
 fn pixels(truth: &Truth, size: Option<f64>) -> Option<f64> {
     size.filter(|_| !truth.in_metres)

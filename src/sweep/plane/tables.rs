@@ -1,11 +1,7 @@
 //! The tables of sections 4.4.1 and 4.4.2.
 
 use crate::scenario::Start;
-use crate::sweep::table::{Column, Plan};
-
-const fn column(quantity: &'static str, head: &'static str, decimals: usize) -> Column {
-    Column { quantity, head, decimals }
-}
+use crate::sweep::table::{Plan, column};
 
 /// In the order of the report.
 pub const TABLES: [Plan; 6] = [

@@ -2,21 +2,16 @@
 
 use super::{ByEra, Truth};
 use crate::scorer::stride::Scores;
+use crate::sweep::quantity::{Quantity, names};
 use crate::trial;
 
 type Trial = trial::Trial<ByEra<Scores>>;
 
-/// A number that a trial has against one era's truth, or not.
-#[derive(Clone, Copy)]
-pub struct Quantity {
-    /// Its column.
-    pub name: &'static str,
-    /// Its value, if it has one.
-    pub of: fn(&Trial, &Scores, &Truth) -> Option<f64>,
-}
+/// What a trial has, held against the truth of one era.
+pub type Of = fn(&Trial, &Scores, &Truth) -> Option<f64>;
 
 /// All of them; the first three are the last of the agreed columns.
-pub const QUANTITIES: [Quantity; 10] = [
+pub const QUANTITIES: [Quantity<Of>; 10] = [
     Quantity { name: "action_rmse_mm_per_s", of: |_, scores, _| Some(1e3 * scores.action_rmse_m_per_s?) },
     Quantity { name: "sensor_rmse_px", of: |_, scores, _| scores.sensor_rmse_px },
     Quantity { name: "scale_ratio", of: |_, scores, _| scores.scale_ratio() },
@@ -36,12 +31,4 @@ pub const QUANTITIES: [Quantity; 10] = [
 ];
 
 /// Their names.
-pub const NAMES: [&str; QUANTITIES.len()] = {
-    let mut names = [""; QUANTITIES.len()];
-    let mut i = 0;
-    while i < names.len() {
-        names[i] = QUANTITIES[i].name;
-        i += 1;
-    }
-    names
-};
+pub const NAMES: [&str; QUANTITIES.len()] = names(&QUANTITIES);

@@ -1,10 +1,11 @@
 //! `trials.csv` along the line: a row for each trial and era of the truth.
 
 use super::Strides;
-use super::quantities::QUANTITIES;
-use crate::scenario::{Era, Start};
+use super::quantities::{Of, QUANTITIES};
+use crate::scenario::Era;
 use crate::sweep::Results;
-use crate::sweep::rows::{optional, quoted};
+use crate::sweep::quantity::Quantity;
+use crate::sweep::rows::{head, push, tail};
 use crate::trial::Ending;
 
 /// `trials.csv`.
@@ -26,26 +27,19 @@ pub fn trials(results: &Results<Strides>) -> String {
             if scores.is_none() && era != row.era {
                 continue;
             }
-            let mut fields = vec![
-                results.scenario.name.clone(),
-                row.label.clone(),
-                row.start.map_or("", Start::name).to_owned(),
-                trial.case.seed.to_string(),
+            let mut fields = head(results, trial);
+            fields.extend([
                 (trial.ending == Ending::Converged).to_string(),
                 trial.iterations.map_or_else(String::new, |n| n.to_string()),
                 row.era.name().to_owned(),
                 era.name().to_owned(),
-            ];
-            let of = |quantity: &super::quantities::Quantity| {
-                let value = scores.and_then(|(scores, truth)| (quantity.of)(trial, scores, truth));
-                let is_count = quantity.name == "observations";
-                if is_count { value.map_or_else(String::new, |n| format!("{n:.0}")) } else { optional(value) }
+            ]);
+            let of = |quantity: &Quantity<Of>| {
+                quantity.field(scores.and_then(|(scores, truth)| (quantity.of)(trial, scores, truth)))
             };
             fields.extend(quantities().map(of));
-            fields.push(optional(Some(row.duration_s)));
-            fields.extend([quoted(&trial.lacks.join("; ")), trial.ending.name().to_owned(), quoted(&trial.reason)]);
-            text.push_str(&fields.join(","));
-            text.push('\n');
+            fields.extend(tail(results, trial));
+            push(&mut text, &fields);
         }
     }
     text

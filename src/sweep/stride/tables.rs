@@ -1,10 +1,6 @@
 //! The table of section 4.4.3.
 
-use crate::sweep::table::{Column, Plan};
-
-const fn column(quantity: &'static str, head: &'static str, decimals: usize) -> Column {
-    Column { quantity, head, decimals }
-}
+use crate::sweep::table::{Plan, column};
 
 /// One: before, after and across.
 pub const TABLE: Plan = Plan {
