@@ -12,18 +12,21 @@
 //! In the source heading 0 faces +x. Here it faces +y: pi/2 is taken off every heading, and places stay as they are.
 
 use std::f64::consts::FRAC_PI_2;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use asami_dataset::log::RangeBearing;
-use asami_dataset::{Action, Beacon, Command, Dataset, Frame, Known, Log, Sighting, Size, Survey, TruePose, Truth};
+use asami_dataset::{Action, Beacon, Command, Frame, Known, Log, Sighting, Size, TruePose};
 use asami_math::angle::wrap_rad;
 
-use super::capture::Agreement;
 use super::columns::{self, required};
-use super::{ImportError, Imported, Importer, Read, clock, units};
+use super::{ImportError, Imported, Importer, Read, capture, clock, units};
 
 /// How far the laser sits ahead of the robot's centre (the data set's documentation).
 const LASER_AHEAD_M: f64 = 0.219016;
+
+/// What a source is.
+const HINT: &str = "the log is T. Barfoot's \"Lost in the Woods\" course data (University of Toronto), as a folder with \
+                    landmarks.csv, odometry_and_truth.csv and sightings.csv, each plain or .gz";
 
 const LANDMARKS: [&str; 3] = ["landmark", "x_m", "y_m"];
 const TRACK: [&str; 7] =
@@ -43,9 +46,10 @@ pub static IMPORTER: Importer = Importer {
 /// # Errors
 /// [`ImportError`] where there is no such log, or it is not as documented above.
 pub fn read(source: &Path) -> Result<Imported, ImportError> {
-    let landmarks = landmarks(&file(source, "landmarks.csv")?)?;
-    let (commands, frames, track, mut notes) = track(&file(source, "odometry_and_truth.csv")?)?;
-    let (sightings, others) = sightings(&file(source, "sightings.csv")?, &landmarks, &frames)?;
+    let file = |name: &str| columns::of_folder(source, name, HINT);
+    let landmarks = landmarks(&file("landmarks.csv")?)?;
+    let (commands, frames, track, mut notes) = track(&file("odometry_and_truth.csv")?)?;
+    let (sightings, others) = sightings(&file("sightings.csv")?, &landmarks, &frames)?;
     notes.extend(others);
     let max_range_m = sightings.iter().map(|seen| seen.size.value()).fold(f64::MIN_POSITIVE, f64::max);
     notes.push(format!("assumed: the laser's reach is the longest range in the log, {max_range_m:.6} m"));
@@ -64,23 +68,7 @@ pub fn read(source: &Path) -> Result<Imported, ImportError> {
         sightings: sightings.into(),
         ..Log::default()
     };
-    let agreement = Agreement::of(&log, &track);
-    notes.extend(agreement.iter().flat_map(Agreement::notes));
-    let survey = agreement.map(|found| Survey {
-        sigma1_m: Some(found.sigma1_m),
-        sigma2_rad: Some(found.sigma2_rad),
-        ..Survey::default()
-    });
-    Ok(Imported { dataset: Dataset { log, truth: Truth { track: track.into(), survey }, provenance: None }, notes })
-}
-
-fn file(source: &Path, name: &str) -> Result<PathBuf, ImportError> {
-    let found = if source.is_dir() { columns::find(source, name) } else { None };
-    found.ok_or_else(|| ImportError::Absent {
-        path: source.join(name),
-        hint: "the log is T. Barfoot's \"Lost in the Woods\" course data (University of Toronto), as a folder with \
-               landmarks.csv, odometry_and_truth.csv and sightings.csv, each plain or .gz",
-    })
+    Ok(capture::agreed(log, track, notes))
 }
 
 fn landmarks(file: &Path) -> Result<Vec<Beacon>, ImportError> {

@@ -1,10 +1,12 @@
 //! Sightings held against a motion capture: their noise, their mistakes and their clock, as found.
 
 use asami_dataset::truth::pose_at;
-use asami_dataset::{Log, Sighting, TruePose};
+use asami_dataset::{Dataset, Log, Sighting, Survey, TruePose, Truth};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, hypot, sin_cos};
 use asami_math::regression::least_squares;
+
+use super::Imported;
 
 /// A bearing further off is of another landmark.
 const MISTAKEN_RAD: f64 = 0.5;
@@ -32,6 +34,19 @@ pub struct Agreement {
     pub covered: usize,
     /// Of these, those further off than 0.5 rad or 1 m, left out of all else.
     pub mistaken: usize,
+}
+
+/// The data set of a log and its track; what the two say of each other is noted and, of the noise, surveyed.
+#[must_use]
+pub fn agreed(log: Log, track: Vec<TruePose>, mut notes: Vec<String>) -> Imported {
+    let agreement = Agreement::of(&log, &track);
+    notes.extend(agreement.iter().flat_map(Agreement::notes));
+    let survey = agreement.map(|found| Survey {
+        sigma1_m: Some(found.sigma1_m),
+        sigma2_rad: Some(found.sigma2_rad),
+        ..Survey::default()
+    });
+    Imported { dataset: Dataset { log, truth: Truth { track: track.into(), survey }, provenance: None }, notes }
 }
 
 struct Residual {

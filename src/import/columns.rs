@@ -33,6 +33,15 @@ pub fn find(folder: &Path, name: &str) -> Option<PathBuf> {
     [folder.to_owned(), folder.join(name), folder.join(format!("{name}.gz"))].into_iter().find(|path| path.is_file())
 }
 
+/// The file `name` or `name.gz` of the source that is the folder `folder`.
+///
+/// # Errors
+/// [`ImportError::Absent`] with `hint` where there is none.
+pub fn of_folder(folder: &Path, name: &str, hint: &'static str) -> Result<PathBuf, ImportError> {
+    let found = if folder.is_dir() { find(folder, name) } else { None };
+    found.ok_or_else(|| ImportError::Absent { path: folder.join(name), hint })
+}
+
 /// The number that a row must have under `column`.
 ///
 /// # Errors

@@ -15,17 +15,20 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use asami_dataset::log::RangeBearing;
-use asami_dataset::{Action, Beacon, Command, Dataset, Known, Log, Sighting, Size, Survey, TruePose, Truth};
+use asami_dataset::{Action, Beacon, Command, Known, Log, Sighting, Size, TruePose};
 use asami_math::angle::wrap_rad;
 
-use super::capture::Agreement;
-use super::{ImportError, Imported, Importer, Read, clock, columns, units, words};
+use super::{ImportError, Imported, Importer, Read, capture, clock, columns, units, words};
 
 /// Subjects that are robots; landmarks come after them.
 const ROBOTS: [u16; 5] = [1, 2, 3, 4, 5];
+
+/// What a source is.
+const HINT: &str = "the logs are the UTIAS MRCLAM data sets (Leung et al. 2011): a folder with Barcodes.dat, \
+                    Landmark_Groundtruth.dat and three .dat files a robot, each plain or .gz";
 
 /// The importer's row in the list.
 pub static IMPORTER: Importer = Importer {
@@ -41,7 +44,7 @@ pub static IMPORTER: Importer = Importer {
 /// # Errors
 /// [`ImportError`] where there is no such log, or it is not as documented above.
 pub fn read(source: &Path, robot: u16) -> Result<Imported, ImportError> {
-    let file = |name: &str| file(source, name);
+    let file = |name: &str| columns::of_folder(source, name, HINT);
     let landmarks = landmarks(&file("Landmark_Groundtruth.dat")?)?;
     let subjects = subjects(&file("Barcodes.dat")?, &landmarks)?;
     let odometry = file(&format!("Robot{robot}_Odometry.dat"))?;
@@ -76,23 +79,7 @@ pub fn read(source: &Path, robot: u16) -> Result<Imported, ImportError> {
         ..Known::default()
     };
     let log = Log { known: known.into(), commands: commands.into(), sightings: sightings.into(), ..Log::default() };
-    let agreement = Agreement::of(&log, &track);
-    notes.extend(agreement.iter().flat_map(Agreement::notes));
-    let survey = agreement.map(|found| Survey {
-        sigma1_m: Some(found.sigma1_m),
-        sigma2_rad: Some(found.sigma2_rad),
-        ..Survey::default()
-    });
-    Ok(Imported { dataset: Dataset { log, truth: Truth { track: track.into(), survey }, provenance: None }, notes })
-}
-
-fn file(source: &Path, name: &str) -> Result<PathBuf, ImportError> {
-    let found = if source.is_dir() { columns::find(source, name) } else { None };
-    found.ok_or_else(|| ImportError::Absent {
-        path: source.join(name),
-        hint: "the logs are the UTIAS MRCLAM data sets (Leung et al. 2011): a folder with Barcodes.dat, \
-               Landmark_Groundtruth.dat and three .dat files a robot, each plain or .gz",
-    })
+    Ok(capture::agreed(log, track, notes))
 }
 
 /// The source's clock, which counts from 1970.
