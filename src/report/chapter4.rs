@@ -7,7 +7,7 @@ use crate::scenario::{Era, Start};
 use crate::study::Finishing;
 use crate::sweep::outcome::Outcome;
 use crate::sweep::tally::Tallied;
-use crate::sweep::{CannotSweep, manifest};
+use crate::sweep::{CannotSweep, manifest, verdict};
 use crate::trial::Ending;
 
 /// Writes `report.html` and `figures/*.svg`; `footnote` says how errors are measured.
@@ -28,7 +28,9 @@ pub fn write<S: Tallied>(
 
 fn report<S: Tallied>(outcome: &Outcome<S>, figures: &[Figure], finishing: &Finishing<'_>) -> Report {
     let scenario = &outcome.results.scenario;
-    let mut report = Report::new(&scenario.name, &scenario.about).answer(answer(outcome));
+    let mut report = Report::new(&scenario.name, &scenario.about)
+        .answer(answer(outcome))
+        .as_expected(verdict::all_hold(&outcome.verdicts));
     for table in &outcome.tables {
         report = report.section(Section::new(table.title).table(table.reported()));
     }
@@ -55,12 +57,7 @@ fn report<S: Tallied>(outcome: &Outcome<S>, figures: &[Figure], finishing: &Fini
 fn answer<S: Tallied>(outcome: &Outcome<S>) -> String {
     let rows = &outcome.results.scenario.rows;
     let (converged, trials) = outcome.tallies.iter().fold((0, 0), |(a, b), it| (a + it.converged, b + it.trials));
-    let holding = outcome.verdicts.iter().filter(|verdict| verdict.holds).count();
-    let expected = match outcome.verdicts.len() {
-        0 => String::new(),
-        all if holding == all => format!(" All {all} expected answers came out."),
-        all => format!(" {holding} of {all} expected answers came out; the others are below."),
-    };
+    let expected = verdict::in_words(&outcome.verdicts);
     format!("{converged} of {trials} trials of {} rows converge.{expected}", rows.len())
 }
 

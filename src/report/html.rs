@@ -19,7 +19,12 @@ pub(super) fn page(report: &Report) -> String {
         inline(&report.question)
     );
     if let Some(answer) = &report.answer {
-        let _ = writeln!(out, "<p class=\"answer\">{}</p>", inline(answer));
+        let verdict = match report.as_expected {
+            None => "",
+            Some(true) => " expected",
+            Some(false) => " unexpected",
+        };
+        let _ = writeln!(out, "<p class=\"answer{verdict}\">{}</p>", inline(answer));
     }
     out.push_str("</header>\n");
     contents(&report.sections, &mut out);
@@ -157,6 +162,21 @@ mod tests {
     fn text_is_escaped_and_code_is_code() {
         assert_eq!(inline("a `b<c>` & `d`"), "a <code>b&lt;c&gt;</code> &amp; <code>d</code>");
         assert_eq!(inline("5 ` 6"), "5 ` 6");
+    }
+
+    #[test]
+    fn the_bar_beside_the_answer_tells_whether_it_was_expected() {
+        for (is_expected, class) in
+            [(None, "answer"), (Some(true), "answer expected"), (Some(false), "answer unexpected")]
+        {
+            let page = Report::new("", "").answer("").as_expected(is_expected).html();
+            assert!(page.contains(&format!("<p class=\"{class}\">")), "{class}");
+        }
+        for rule in
+            [".answer {", ".answer.expected { border-left-color: #009e73", ".answer.unexpected { border-left-color: #d"]
+        {
+            assert!(STYLE.contains(rule), "{rule}");
+        }
     }
 
     #[test]

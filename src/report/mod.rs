@@ -142,6 +142,7 @@ pub struct Report {
     title: String,
     question: String,
     answer: Option<String>,
+    as_expected: Option<bool>,
     sections: Vec<Section>,
     footnotes: Vec<String>,
     manifest: Vec<(String, String)>,
@@ -155,6 +156,7 @@ impl Report {
             title: title.to_owned(),
             question: question.to_owned(),
             answer: None,
+            as_expected: None,
             sections: Vec::new(),
             footnotes: Vec::new(),
             manifest: Vec::new(),
@@ -165,6 +167,13 @@ impl Report {
     #[must_use]
     pub fn answer(mut self, answer: impl Into<String>) -> Self {
         self.answer = Some(answer.into());
+        self
+    }
+
+    /// Says whether the answer is the expected one; `None` where nothing was expected.
+    #[must_use]
+    pub fn as_expected(mut self, is_expected: Option<bool>) -> Self {
+        self.as_expected = is_expected;
         self
     }
 

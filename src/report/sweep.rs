@@ -15,7 +15,7 @@ use crate::sweep::line::Outcome;
 use crate::sweep::line::table::{self, Line, MeanSd};
 use crate::sweep::manifest::{self, Manifest};
 use crate::sweep::spread::Spread;
-use crate::sweep::verdict::Verdict;
+use crate::sweep::verdict::{self, Verdict};
 use crate::sweep::{CannotSweep, Whose};
 use crate::trial::Ending;
 
@@ -47,8 +47,10 @@ pub(super) fn write_plates(plates: impl Iterator<Item = Plate>, out: &Path) -> R
 pub fn report(outcome: &Outcome, manifest: &Manifest, exhibits: &Exhibits) -> (Report, Vec<Figure>) {
     let scenario = &outcome.results.scenario;
     let both = both_at_once::figures(&outcome.results);
-    let mut report =
-        Report::new(&scenario.name, &scenario.about).answer(answer(outcome)).section(table_section(outcome));
+    let mut report = Report::new(&scenario.name, &scenario.about)
+        .answer(answer(outcome))
+        .as_expected(verdict::all_hold(&outcome.verdicts))
+        .section(table_section(outcome));
     if !outcome.verdicts.is_empty() {
         report = report.section(verdicts_section(&outcome.verdicts));
     }
@@ -69,8 +71,8 @@ pub fn report(outcome: &Outcome, manifest: &Manifest, exhibits: &Exhibits) -> (R
     }
     report = report.section(trials_section(outcome)).footnote(
         "Errors are root mean squares after the published scaling (Stronger 2008, section 3.3.2): action models as \
-         k A(c) with the best k, sensor models as a + b S(o) with the best a and b. The scale difference is \
-         | |k| / |b| - 1 |: 0 if both models are in one unit of length.",
+         k A(c) with the best k, sensor models as a + b S(o) with the best a and b. The scale difference is how far \
+         `|k| / |b|` is from 1: 0 if both models are in one unit of length.",
     );
     let figures = exhibits.single.iter().chain(&both).cloned().chain(speed_figure(outcome)).collect();
     (made_with(report, manifest), figures)
@@ -78,7 +80,6 @@ pub fn report(outcome: &Outcome, manifest: &Manifest, exhibits: &Exhibits) -> (R
 
 /// What came out, in two sentences.
 fn answer(outcome: &Outcome) -> String {
-    let holding = outcome.verdicts.iter().filter(|verdict| verdict.holds).count();
     let first = outcome.lines.iter().find(|line| line.whose == Whose::Asami);
     let found = first.map(|line| {
         let start = line.start.map_or_else(String::new, |start| format!(" from {}", in_words(start)));
@@ -94,12 +95,7 @@ fn answer(outcome: &Outcome) -> String {
             if errors.is_empty() { String::new() } else { format!(", with errors of {}", errors.join(" and ")) };
         format!("`{}`{start} {count}{errors}.", line.learner)
     });
-    let expected = match outcome.verdicts.len() {
-        0 => String::new(),
-        all if holding == all => format!(" All {all} expected answers came out."),
-        all => format!(" {holding} of {all} expected answers came out; the others are below."),
-    };
-    format!("{}{expected}", found.unwrap_or_default())
+    format!("{}{}", found.unwrap_or_default(), verdict::in_words(&outcome.verdicts))
 }
 
 fn in_words(start: Start) -> String {

@@ -33,6 +33,23 @@ pub fn shares(expect: &Expect, converged: usize, trials: usize) -> Vec<(String, 
     least.into_iter().chain(most).collect()
 }
 
+/// Whether all of them hold; `None` where nothing was expected.
+#[must_use]
+pub fn all_hold(verdicts: &[Verdict]) -> Option<bool> {
+    (!verdicts.is_empty()).then(|| verdicts.iter().all(|verdict| verdict.holds))
+}
+
+/// How many hold, in a sentence with a blank before it; empty where nothing was expected.
+#[must_use]
+pub fn in_words(verdicts: &[Verdict]) -> String {
+    let holding = verdicts.iter().filter(|verdict| verdict.holds).count();
+    match verdicts.len() {
+        0 => String::new(),
+        all if holding == all => format!(" All {all} expected answers came out."),
+        all => format!(" {holding} of {all} expected answers came out; the others are below."),
+    }
+}
+
 /// What a terminal shows of claims.
 #[must_use]
 pub fn text(verdicts: &[Verdict]) -> String {

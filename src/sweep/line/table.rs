@@ -78,15 +78,16 @@ pub fn remarks(results: &Results<Chapter3>, summaries: &[Summary]) -> Vec<String
     let mut remarks = Vec::new();
     for (row, summary) in results.scenario.rows.iter().zip(summaries) {
         let Some(published) = published(row) else { continue };
-        let name = format!("{} {}, {} s", row.label, row.start.map_or("", Start::name), row.duration_s);
+        let start = row.start.map_or_else(String::new, |start| format!(" from {}", start.name()));
+        let name = format!("{}{start}, {} s", row.label, row.duration_s);
         let quantities = [
-            ("| |k|/|b| - 1 |", &summary.scale_difference, published.scale_difference),
+            ("scale difference", &summary.scale_difference, published.scale_difference),
             ("degree of the sensor model", &summary.sensor_degree, published.sensor_degree),
         ];
         for (quantity, ours, printed) in quantities {
             if let (Some(ours), Some(printed)) = (ours, printed) {
                 let (ours, printed) = (shown((ours.mean, ours.sd), 2), shown(printed, 2));
-                remarks.push(format!("{name}: {quantity} {ours}; dissertation {printed} ({})", published.place));
+                remarks.push(format!("{name}: {quantity} {ours} (dissertation: {printed}, {})", published.place));
             }
         }
     }
