@@ -1,48 +1,118 @@
 //! What the filters that learn as they go share: where they start, how they linearise, what they give.
 
-use asami_dataset::models::{Curve, Entry};
-use asami_dataset::{ActionModel, Models, Noise, SensorModel};
-use asami_math::angle::wrap_rad;
+use asami_dataset::{Log, Models};
 use asami_math::elementary::ln;
-use asami_math::polynomial::Polynomial;
+use asami_math::kalman::Gaussian;
+use nalgebra::{Matrix3, Vector3};
 
-use crate::batch::start::{Start, first_pose};
+use crate::em::field::Field;
+use crate::em::filter;
+use crate::em::parameters::Parameters;
+use crate::em::world::{Moved, World};
+use crate::em::{self, curve, information, start};
 use crate::learner::{CannotLearn, Learned, Step, Verdict};
-use crate::line::Unit;
 use crate::plane::{Plane, Seen};
-use crate::view::View;
+
+/// Declares a filter that learns as it goes out of its `pass` over the log.
+macro_rules! augmented {
+    ($(#[$meta:meta])* $T:ident, $name:literal, $what:literal, source $source:literal) => {
+        $crate::learner::learner! {
+            $(#[$meta])*
+            $T, $name, $what, source $source, needs Both,
+            {
+                /// Degree of f, a polynomial of the distance.
+                degree: u32 = 3, "1", 1.0..=5.0;
+                /// How well translation is known beforehand.
+                velocity_sd_m_per_s: f64 = 0.3, "m/s", 0.001..=100.0;
+                /// How well turning is known beforehand.
+                turn_sd_rad_per_s: f64 = 1.0, "rad/s", 0.001..=100.0;
+                /// How well the sensor is known beforehand, as a share of the sizes' standard deviation in the log.
+                sensor_sd_share: f64 = 2.0, "1", 0.001..=1000.0;
+                /// Passes over the log; each starts from the models of the one before, and as unsure as the first.
+                max_iterations: u32 = 1, "1", 1.0..=1000.0;
+            }
+        }
+
+        impl $crate::learner::Learner for $T {
+            fn about(&self) -> &'static $crate::learner::About {
+                Self::about()
+            }
+
+            fn learn(
+                &self,
+                log: &asami_dataset::Log,
+                given: &asami_dataset::Models,
+                _rng: &mut asami_dataset::Rng,
+            ) -> Result<$crate::learner::Learned, $crate::learner::CannotLearn> {
+                let belief = $crate::augmented::Belief {
+                    coefficients: self.degree as usize + 1,
+                    velocity_sd: [self.velocity_sd_m_per_s, self.velocity_sd_m_per_s, self.turn_sd_rad_per_s],
+                    sensor_sd_share: self.sensor_sd_share,
+                };
+                $crate::augmented::learn(log, given, &belief, self.max_iterations, pass)
+            }
+        }
+    };
+}
+pub(crate) use augmented;
 
 /// How sure the filters are beforehand.
 pub(crate) struct Belief {
-    pub(crate) sensor_degree: usize,
+    pub(crate) coefficients: usize,
     pub(crate) velocity_sd: [f64; 3],
     pub(crate) sensor_sd_share: f64,
+}
+
+/// Passes over the log, and what they taught.
+pub(crate) fn learn(
+    log: &Log,
+    given: &Models,
+    belief: &Belief,
+    passes: u32,
+    pass: impl Fn(&mut Augmented) -> Option<()>,
+) -> Result<Learned, CannotLearn> {
+    let plane = Plane::try_from(log)?;
+    let mut filter = Augmented::new(&plane, given, belief)?;
+    let (mut history, mut verdict, mut done) = (Vec::new(), Verdict::Converged, 0);
+    while done < passes {
+        let before = (filter.lambda.clone(), filter.learned_var.clone());
+        filter.log_likelihood = 0.0;
+        let passed = pass(&mut filter);
+        let finite = filter.lambda.is_finite() && filter.learned_var.iter().all(|var| var.is_finite());
+        if passed.is_none() || !finite || !filter.log_likelihood.is_finite() {
+            (filter.lambda, filter.learned_var) = before;
+            verdict = Verdict::Diverged { rule: "the filter broke down" };
+            break;
+        }
+        done += 1;
+        let models = filter.lambda.models(&plane, None);
+        history.push(Step { t_s: None, log_likelihood: Some(filter.log_likelihood), models });
+    }
+    let errors = information::errors(&plane, &filter.learned_var, true);
+    let (models, lacks) = (filter.lambda.models(&plane, Some(&errors)), em::lacks(&plane, given, false));
+    Ok(Learned { models, verdict, iterations: Some(done), history, lacks, ..Learned::default() })
 }
 
 /// A filter's models under way.
 pub(crate) struct Augmented<'a> {
     pub(crate) plane: &'a Plane,
-    /// Velocities by action, then the sensor's coefficients.
-    pub(crate) parameters: Vec<f64>,
-    /// Variances of these before a pass, and after the last.
+    world: Field,
+    lambda: Parameters<3>,
+    /// Variances of velocities and then coefficients before a pass, and after the last.
     pub(crate) parameter_var: Vec<f64>,
     pub(crate) learned_var: Vec<f64>,
-    /// Of size, bearing, and motion in a step of median length.
-    pub(crate) variances: [f64; 5],
-    pub(crate) first_pose: [f64; 3],
-    pub(crate) pose_var: [f64; 3],
     /// Of the sightings in this pass, as predicted, nats.
     pub(crate) log_likelihood: f64,
-    centre_m: f64,
-    scale_m: f64,
 }
 
-/// Most unknowns that a component of a sighting depends on: the pose, and a sensor of degree 8.
-const MOST: usize = 3 + 9;
+/// Most unknowns that a component of a sighting depends on: the pose, and the sensor.
+const MOST: usize = 3 + curve::MOST;
 
 /// One component of a sighting, linearised.
 pub(crate) struct Row {
     pub(crate) innovation: f64,
+    /// Variance of its noise.
+    pub(crate) variance: f64,
     by: [(usize, f64); MOST],
     used: usize,
 }
@@ -59,120 +129,78 @@ impl Row {
     }
 }
 
+/// A step of motion, linearised.
+pub(crate) struct Stride {
+    pub(crate) moved: Moved<3>,
+    /// Which parameter is the first of the three velocities.
+    pub(crate) first: usize,
+    /// Derivatives of the pose by these.
+    pub(crate) by_velocity: Matrix3<f64>,
+}
+
 impl<'a> Augmented<'a> {
-    pub(crate) fn new(plane: &'a Plane, given: &Models, belief: &Belief) -> Result<Self, CannotLearn> {
-        let start = Start::given(plane, given)?;
-        plane.require(belief.sensor_degree + 4)?;
-        let lost = || CannotLearn::Undetermined("the sightings do not tell where the robot was".to_string());
-        let first = first_pose(&start, plane).ok_or_else(lost)?;
-        let (centre_m, scale_m) = crate::batch::distances(plane);
-        let mut sensor = start.sensor.rebased(centre_m, scale_m).coefficients;
-        sensor.resize(belief.sensor_degree + 1, 0.0);
+    fn new(plane: &'a Plane, given: &Models, belief: &Belief) -> Result<Self, CannotLearn> {
+        let lambda = start::in_plane(plane, given, belief.coefficients)?;
         let n = plane.sightings.len() as f64;
         let mean = plane.sightings.iter().fold(0.0, |sum, seen| sum + seen.size) / n;
         let spread = plane.sightings.iter().fold(0.0, |sum, seen| sum + (seen.size - mean) * (seen.size - mean)) / n;
         let sensor_var = belief.sensor_sd_share * belief.sensor_sd_share * spread.max(1e-12);
-        let velocity_var = start.velocities.iter().flat_map(|_| belief.velocity_sd.map(|sd| sd * sd));
-        let parameter_var: Vec<f64> = velocity_var.chain(sensor.iter().map(|_| sensor_var)).collect();
+        let velocity_var = plane.actions.iter().flat_map(|_| belief.velocity_sd.map(|sd| sd * sd));
+        let parameter_var: Vec<f64> = velocity_var.chain(std::iter::repeat_n(sensor_var, lambda.f.n)).collect();
         Ok(Self {
+            world: Field::of(plane),
             plane,
-            parameters: start.velocities.iter().flatten().copied().chain(sensor).collect(),
+            lambda,
             learned_var: parameter_var.clone(),
             parameter_var,
-            variances: start.variances,
-            first_pose: [first.mean[0], first.mean[1], first.mean[2]],
-            pose_var: [0, 1, 2].map(|i| first.covariance[(i, i)]),
             log_likelihood: 0.0,
-            centre_m,
-            scale_m,
         })
     }
 
-    /// Passes over the log, and what they taught.
-    pub(crate) fn learn(
-        mut self,
-        passes: u32,
-        pass: impl Fn(&mut Augmented) -> Option<()>,
-    ) -> Result<Learned, CannotLearn> {
-        let (mut history, mut verdict, mut done) = (Vec::new(), Verdict::Converged, 0);
-        while done < passes {
-            let before = (self.parameters.clone(), self.learned_var.clone());
-            self.log_likelihood = 0.0;
-            let passed = pass(&mut self);
-            let finite = self.parameters.iter().chain(&self.learned_var).all(|x| x.is_finite());
-            if passed.is_none() || !finite || !self.log_likelihood.is_finite() {
-                (self.parameters, self.learned_var) = before;
-                verdict = Verdict::Diverged { rule: "the filter broke down" };
-                break;
-            }
-            done += 1;
-            history.push(Step { t_s: None, log_likelihood: Some(self.log_likelihood), models: self.models() });
-        }
-        let (models, lacks) = (self.models(), self.plane.lacks(false));
-        Ok(Learned { models, verdict, iterations: Some(done), history, lacks, ..Learned::default() })
+    /// Where the robot may be at first.
+    pub(crate) fn prior(&self) -> Gaussian<3> {
+        self.lambda.prior
     }
 
     /// Component `kind` of a sighting, 0 its size and 1 its bearing, linearised at a pose.
-    pub(crate) fn row(&self, w: &[f64; 3], seen: &Seen, kind: usize) -> Row {
-        let view = View::of(w, seen.landmark_m, self.plane.sensor_origin_m);
-        let mut by = [(0, 0.0); MOST];
-        if kind == 1 {
-            for (k, by_w) in view.bearing_by.into_iter().enumerate() {
-                by[k] = (k, by_w);
-            }
-            return Row { innovation: wrap_rad(seen.bearing_rad - view.bearing_rad), by, used: 3 };
-        }
-        let first = 3 * self.plane.actions.len();
-        let f = self.sensor();
-        let slope = f.slope_at(view.distance_m);
-        for (k, by_w) in view.distance_by.into_iter().enumerate() {
-            by[k] = (k, slope * by_w);
-        }
-        let mut power = 1.0;
-        for (k, by) in by.iter_mut().skip(3).take(f.coefficients.len()).enumerate() {
-            *by = (3 + first + k, power);
-            power *= f.scaled(view.distance_m);
-        }
-        Row { innovation: seen.size - f.at(view.distance_m), by, used: 3 + f.coefficients.len() }
-    }
-
-    /// Covariance of frame `t`'s noise of motion in the world, for a heading of this sine and cosine.
-    pub(crate) fn motion_covariance(&self, t: usize, sin: f64, cos: f64) -> [[f64; 3]; 3] {
-        let steps = (self.plane.frames[t].dt_s / self.plane.step_s).max(1e-3);
-        let [right, forward, turn] = [2, 3, 4].map(|kind| steps * self.variances[kind]);
-        let across = sin * cos * (right - forward);
-        [
-            [cos * cos * right + sin * sin * forward, across, 0.0],
-            [across, sin * sin * right + cos * cos * forward, 0.0],
-            [0.0, 0.0, turn],
-        ]
-    }
-
-    fn sensor(&self) -> Polynomial {
-        let coefficients = self.parameters[3 * self.plane.actions.len()..].to_vec();
-        Polynomial { coefficients, centre: self.centre_m, scale: self.scale_m }
-    }
-
-    fn models(&self) -> Models {
-        let se = |i: usize| self.learned_var[i].max(0.0).sqrt();
-        let table = self.plane.actions.iter().enumerate().filter_map(|(a, action)| {
-            let v = &self.parameters[3 * a..3 * a + 3];
-            Some(Entry {
-                action: action.id?,
-                vx_m_per_s: v[0],
-                vy_m_per_s: v[1],
-                vtheta_rad_per_s: v[2],
-                se: Some([0, 1, 2].map(|i| se(3 * a + i))),
-            })
-        });
-        let first = 3 * self.plane.actions.len();
-        let curve = Curve { se: (first..self.parameters.len()).map(se).collect(), polynomial: self.sensor() };
-        let sd = self.variances.map(f64::sqrt);
-        let noise = Noise { sigma2_rad: Some(sd[1]), motion_sd: Some([sd[2], sd[3], sd[4]]), ..Noise::default() };
-        let (sensor, noise) = match self.plane.unit {
-            Unit::HeightPx => (SensorModel::HeightOfDistance(curve), Noise { sigma1_px: Some(sd[0]), ..noise }),
-            Unit::RangeM => (SensorModel::RangeOfDistance(curve), Noise { sigma1_m: Some(sd[0]), ..noise }),
+    pub(crate) fn row(&self, w: &Vector3<f64>, seen: &Seen, kind: usize) -> Row {
+        let f = &self.lambda.f;
+        let (innovation, h) = self.world.innovation(w, seen, f);
+        let mut row = Row {
+            innovation: innovation[kind],
+            variance: [self.lambda.size_var, self.lambda.bearing_var][kind],
+            by: [(0, 0.0); MOST],
+            used: 3,
         };
-        Models { action: Some(ActionModel::Table(table.collect())), sensor: Some(sensor), noise }
+        for (k, by) in row.by[..3].iter_mut().enumerate() {
+            *by = (k, h[(kind, k)]);
+        }
+        if kind == 0 {
+            let (u, mut power) = (f.scaled(self.world.look(w, seen).distance_m), 1.0);
+            let first = 3 + 3 * self.plane.actions.len();
+            for (k, by) in row.by[3..3 + f.n].iter_mut().enumerate() {
+                *by = (first + k, power);
+                power *= u;
+            }
+            row.used += f.n;
+        }
+        row
+    }
+
+    /// The motion from frame `t` to the next, from a pose.
+    pub(crate) fn stride(&self, t: usize, w: &Vector3<f64>) -> Stride {
+        let (mu, q) = filter::step(self.plane, &self.lambda, t);
+        let frame = &self.plane.frames[t];
+        Stride {
+            moved: self.world.forth(w, &mu, &q),
+            first: 3 * frame.action,
+            by_velocity: self.world.axes(w) * frame.dt_s,
+        }
+    }
+
+    /// Changes velocities and coefficients.
+    pub(crate) fn correct(&mut self, changes: impl Iterator<Item = f64>) {
+        let corrected: Vec<f64> = self.lambda.means().iter().zip(changes).map(|(mean, change)| mean + change).collect();
+        self.lambda.set_means(&corrected);
     }
 }

@@ -1,51 +1,12 @@
 //! EM that knows of false sightings.
 
-use asami_dataset::{Log, Models, Rng};
+use crate::em::{Em, Outliers, em_learner};
 
-use crate::em::{Em, Expectation, Outliers};
-use crate::learner::{CannotLearn, Learned, Learner, learner};
-
-learner! {
+em_learner! {
     /// Instead of a gate on the first iteration: a false sighting has any size and any bearing, and the share of them is
     /// learned.
     EmRobust, "em_robust",
     "EM with exact moments, in which each sighting is true or false with a probability of its own.",
-    source "Dempster, Laird and Rubin 1977, section 4.3", needs Both,
-    {
-        /// Degree of f, a polynomial of the distance.
-        degree: u32 = 3, "1", 1.0..=5.0;
-        /// Stops after so many iterations without a new best likelihood.
-        patience: u32 = 50, "1", 1.0..=100000.0;
-        /// Stops when three iterations in a row change the log-likelihood by less.
-        tolerance: f64 = 0.05, "nat", 0.0..=1000.0;
-        /// Stops after so many iterations at the latest.
-        max_iterations: u32 = 5000, "1", 1.0..=1000000.0;
-    }
-}
-
-impl EmRobust {
-    /// The answers to EM's questions.
-    #[must_use]
-    pub fn em(&self) -> Em {
-        Em {
-            expectation: Expectation::Averaged,
-            exact: true,
-            outliers: Outliers::Mixture,
-            coefficients: self.degree as usize + 1,
-            patience: self.patience,
-            tolerance: self.tolerance,
-            max_iterations: self.max_iterations,
-            ..Em::default()
-        }
-    }
-}
-
-impl Learner for EmRobust {
-    fn about(&self) -> &'static crate::learner::About {
-        Self::about()
-    }
-
-    fn learn(&self, log: &Log, given: &Models, rng: &mut Rng) -> Result<Learned, CannotLearn> {
-        self.em().in_plane(log, given, rng)
-    }
+    source "Dempster, Laird and Rubin 1977, section 4.3", tolerance 0.05, {}
+    in_plane, |_| Em { outliers: Outliers::Mixture, ..Em::exact() }
 }

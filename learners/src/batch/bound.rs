@@ -3,13 +3,14 @@
 //! A reference, not a learner: it is told where the robot was and what the models are.
 
 use asami_dataset::{Log, Models};
-use asami_math::angle::wrap_rad;
 use asami_math::decomposition::{cholesky, cholesky_solve, dot};
-use asami_math::polynomial::{Polynomial, powers};
+use asami_math::polynomial::powers;
 
 use super::joint::{Change, Estimate, Hold, Joint, KINDS};
-use super::start::Start;
 use super::vague;
+use crate::em::curve::SizeCurve;
+use crate::em::parameters::{Parameters, given_sensor};
+use crate::em::start;
 use crate::learner::CannotLearn;
 use crate::plane::Plane;
 
@@ -21,7 +22,7 @@ pub struct PlaneBound {
     /// Of the noise, as a share of itself: size, bearing, motion rightward, forward, turn. All of them unknown.
     pub noise_shares: [f64; KINDS],
     /// The true sensor's basis, and the least covariance of its coefficients.
-    sensor: (Polynomial, Vec<Vec<f64>>),
+    sensor: (SizeCurve, Vec<Vec<f64>>),
 }
 
 impl PlaneBound {
@@ -36,7 +37,7 @@ impl PlaneBound {
     #[must_use]
     pub fn sensor_at(&self, distance_m: f64) -> f64 {
         let (f, covariance) = &self.sensor;
-        let by = powers(f.scaled(distance_m), f.degree());
+        let by = powers(f.scaled(distance_m), f.n - 1);
         covariance.iter().zip(&by).fold(0.0, |sum, (row, by_i)| sum + by_i * dot(row, &by)).max(0.0).sqrt()
     }
 }
@@ -56,22 +57,18 @@ pub fn plane_bound(
     truth: &Models,
 ) -> Result<PlaneBound, CannotLearn> {
     let plane = Plane::try_from(log)?;
-    let start = Start::given(&plane, truth)?;
+    let f = given_sensor(&plane, truth)?;
+    let f = SizeCurve::new(&f, f.coefficients.len(), f.centre, f.scale);
+    let lambda = Parameters::given(&plane, truth, f, start::nowhere())?;
     let poses: Option<Vec<[f64; 3]>> = plane.frames.iter().map(|frame| pose_at(frame.t_s)).collect();
-    let mut poses = poses.ok_or(CannotLearn::NotGiven("the true pose at every frame"))?;
-    for t in 1..poses.len() {
-        poses[t][2] = poses[t - 1][2] + wrap_rad(poses[t][2] - poses[t - 1][2]);
-    }
-    let sensor = start.sensor.clone();
-    let parameters: Vec<f64> = start.velocities.iter().flatten().chain(&sensor.coefficients).copied().collect();
-    let prior = vague(plane.actions.len(), sensor.coefficients.len());
-    let joint = Joint::new(&plane, sensor.centre, sensor.scale, prior);
-    let estimate = Estimate { poses, parameters, variances: start.variances };
+    let poses = poses.ok_or(CannotLearn::NotGiven("the true pose at every frame"))?;
+    let joint = Joint::new(&plane, &lambda, vague(&plane, f.n));
+    let estimate = Estimate::of(&lambda, poses);
     let undetermined = || CannotLearn::Undetermined("the information is not positive definite".to_string());
-    bound(&joint, &estimate, sensor).ok_or_else(undetermined)
+    bound(&joint, &estimate, f).ok_or_else(undetermined)
 }
 
-fn bound(joint: &Joint, truth: &Estimate, sensor: Polynomial) -> Option<PlaneBound> {
+fn bound(joint: &Joint, truth: &Estimate, sensor: SizeCurve) -> Option<PlaneBound> {
     let mut system = joint.system()?;
     let hold = Hold { poses: 0.0, sensor: false };
     system.factorise(&joint.pull(truth), |t, link| joint.fill(truth, hold, t, link))?;

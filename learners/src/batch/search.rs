@@ -5,8 +5,8 @@ use asami_math::elementary::{exp, ln};
 
 use super::joint::{Change, Estimate, Hold, Joint, KINDS, Misfit, Sums};
 use super::noise::{self, Information};
-use super::start::{self, Start};
-use super::{Batch, models};
+use super::{Batch, poses};
+use crate::em::{self, field::Field, parameters::Parameters, start};
 use crate::learner::{Step, Verdict};
 
 /// The noise is told from residuals only once a solve promises less than so many nats.
@@ -145,21 +145,11 @@ impl<'a> Search<'a> {
             return Ok(false);
         }
         let plane = self.joint.plane;
-        let learned = Start {
-            velocities: self
-                .estimate
-                .parameters
-                .chunks_exact(3)
-                .take(plane.actions.len())
-                .map(|v| [v[0], v[1], v[2]])
-                .collect(),
-            sensor: self.joint.sensor(&self.estimate),
-            variances: self.estimate.variances,
-        };
-        let track = start::first_pose(&learned, plane).and_then(|prior| start::smoothed(&learned, plane, prior));
-        let Some(track) = track else { return Ok(false) };
+        let learned = self.joint.parameters(&self.estimate);
+        let prior = start::prior_in_plane(&Field::of(plane), plane, &learned);
+        let states = em::smoothed(plane, &Parameters { prior, ..learned });
         let (before, cost) = (self.estimate.clone(), self.joint.misfit(&self.estimate).cost);
-        self.estimate.poses = track.poses.iter().map(|w| [w[0], w[1], w[2]]).collect();
+        self.estimate.poses = poses(&states);
         self.damping = 1.0;
         self.descend()?;
         // A nat of the likelihood is two of the cost.
@@ -230,7 +220,7 @@ impl<'a> Search<'a> {
         // As many factors of 2 pi as there are sightings: those of motion leave with the poses.
         let sightings = (sums.count[0] + sums.count[1]) * ln(std::f64::consts::TAU);
         let log_likelihood = -0.5 * (misfit.cost + self.system.log_det() + volume + sightings);
-        let models = models(&self.joint, &self.estimate, None);
+        let models = self.joint.parameters(&self.estimate).models(self.joint.plane, None);
         self.history.push(Step { t_s: None, log_likelihood: Some(log_likelihood), models });
     }
 

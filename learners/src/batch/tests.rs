@@ -6,11 +6,14 @@ use asami_dataset::log::Frame;
 use asami_dataset::{Action, Beacon, Command, Known, Log, Sighting, Size};
 use asami_math::bordered::Link;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Vector3};
 
 use super::bound::noise_information;
 use super::joint::{Estimate, Hold, Joint, KINDS};
 use super::spread::Spread;
+use crate::em::curve::{MOST, SizeCurve};
+use crate::em::parameters::Parameters;
+use crate::em::start::nowhere;
 use crate::plane::Plane;
 
 const STEPS: usize = 12;
@@ -49,7 +52,19 @@ fn estimate() -> Estimate {
 
 fn joint(plane: &Plane) -> Joint<'_> {
     let prior = (0..10).map(|i| [0.1 + 0.01 * f64::from(i), 0.2]).collect();
-    let mut joint = Joint::new(plane, 2.5, 2.0, prior);
+    let f = SizeCurve { c: [0.0; MOST], n: 4, centre_m: 2.5, scale_m: 2.0 };
+    let still = plane.actions.iter().map(|_| Vector3::zeros()).collect::<Vec<_>>();
+    let start = Parameters {
+        motion_var: still.clone(),
+        velocity: still,
+        f,
+        size_var: 1.0,
+        bearing_var: 1.0,
+        false_share: 0.0,
+        false_log_density: 0.0,
+        prior: nowhere(),
+    };
+    let mut joint = Joint::new(plane, &start, prior);
     // Any covariance will do.
     let mut link = Link { rows: 6, width: 6, entries: vec![0.0; 36] };
     for i in 0..6usize {

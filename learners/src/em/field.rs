@@ -7,7 +7,8 @@ use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 
 use super::curve::SizeCurve;
 use super::world::{Look, LookMoments, Moved, Pair, Square, World};
-use crate::plane::Seen;
+use crate::plane::{Plane, Seen};
+use crate::view::View;
 
 /// The plane, for a sensor somewhere on the robot.
 #[derive(Clone, Copy, Debug)]
@@ -28,11 +29,14 @@ fn spread(s: f64, c: f64, q: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 impl Field {
-    /// The landmark in the robot frame, from the body's centre and from the sensor.
-    fn sight(&self, w: &Vector3<f64>, seen: &Seen) -> ([f64; 2], [f64; 2]) {
-        let (s, c) = sin_cos(w[2]);
-        let (x, y) = turned(-s, c, seen.landmark_m[0] - w[0], seen.landmark_m[1] - w[1]);
-        ([x, y], [x - self.sensor_origin_m[0], y - self.sensor_origin_m[1]])
+    /// That of a log.
+    #[must_use]
+    pub fn of(plane: &Plane) -> Self {
+        Self { sensor_origin_m: plane.sensor_origin_m }
+    }
+
+    fn view(&self, w: &Vector3<f64>, seen: &Seen) -> View {
+        View::of(&[w[0], w[1], w[2]], seen.landmark_m, self.sensor_origin_m)
     }
 }
 
@@ -109,20 +113,11 @@ impl World<3, 2> for Field {
     }
 
     fn innovation(&self, w: &Vector3<f64>, seen: &Seen, f: &SizeCurve) -> (Vector2<f64>, Matrix2x3<f64>) {
-        let (s, c) = sin_cos(w[2]);
-        let (u_x, u_y) = turned(-s, c, seen.landmark_m[0] - w[0], seen.landmark_m[1] - w[1]);
-        let (x, y) = (u_x - self.sensor_origin_m[0], u_y - self.sensor_origin_m[1]);
-        let square = x * x + y * y;
-        let distance = square.sqrt();
-        let (size, slope) = f.at(distance);
-        let e = Vector2::new(seen.size - size, wrap_rad(seen.bearing_rad - atan2(-x, y)));
-        // Derivatives of the landmark's place in the robot frame: -R(-theta) by x and y, (u_y, -u_x) by theta.
-        let by = |along_x: f64, along_y: f64| {
-            [-along_x * c + along_y * s, -along_x * s - along_y * c, along_x * u_y - along_y * u_x]
-        };
-        let [a, b, t] = by(slope * x / distance, slope * y / distance);
-        let [d, g, h] = by(-y / square, x / square);
-        (e, Matrix2x3::new(a, b, t, d, g, h))
+        let view = self.view(w, seen);
+        let (size, slope) = f.at(view.distance_m);
+        let e = Vector2::new(seen.size - size, wrap_rad(seen.bearing_rad - view.bearing_rad));
+        let ([a, b, t], [d, g, h]) = (view.distance_by, view.bearing_by);
+        (e, Matrix2x3::new(slope * a, slope * b, slope * t, d, g, h))
     }
 
     fn innovation_from(&self, state: &Gaussian<3>, seen: &Seen, f: &SizeCurve) -> (Vector2<f64>, Matrix2x3<f64>) {
@@ -134,9 +129,8 @@ impl World<3, 2> for Field {
     }
 
     fn look(&self, w: &Vector3<f64>, seen: &Seen) -> Look {
-        let (_, [x, y]) = self.sight(w, seen);
-        let bearing_error_rad = wrap_rad(atan2(-x, y) - seen.bearing_rad);
-        Look { distance_m: (x * x + y * y).sqrt(), bearing_error_rad }
+        let view = self.view(w, seen);
+        Look { distance_m: view.distance_m, bearing_error_rad: wrap_rad(view.bearing_rad - seen.bearing_rad) }
     }
 
     fn look_moments(&self, state: &Gaussian<3>, seen: &Seen) -> LookMoments {

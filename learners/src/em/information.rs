@@ -133,13 +133,21 @@ pub fn covariance(information: &Information) -> Option<Vec<Vec<f64>>> {
     Some((0..n).map(column).collect())
 }
 
-/// Standard errors out of a covariance; none for actions that were never executed, unless `all`.
-pub fn errors<const N: usize>(plane: &Plane, covariance: &[Vec<f64>], all: bool) -> Errors<N> {
-    let sd = |i: usize| covariance[i][i].max(0.0).sqrt();
+/// What stands on a covariance's diagonal.
+#[must_use]
+pub fn variances(covariance: &[Vec<f64>]) -> Vec<f64> {
+    covariance.iter().enumerate().map(|(i, row)| row[i]).collect()
+}
+
+/// Standard errors out of the variances of velocities and then the coefficients of `f`; none for actions that were never
+/// executed, unless `all`.
+#[must_use]
+pub fn errors<const N: usize>(plane: &Plane, variances: &[f64], all: bool) -> Errors<N> {
+    let sd = |i: usize| variances[i].max(0.0).sqrt();
     let velocity = |a: usize| {
         let known = all || plane.actions[a].held_s > 0.0;
         known.then(|| SVector::from_fn(|axis, _| sd(N * a + axis)))
     };
     let actions = plane.actions.len();
-    Errors { velocity: (0..actions).map(velocity).collect(), f: (N * actions..covariance.len()).map(sd).collect() }
+    Errors { velocity: (0..actions).map(velocity).collect(), f: (N * actions..variances.len()).map(sd).collect() }
 }

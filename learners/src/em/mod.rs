@@ -30,16 +30,19 @@ pub mod track;
 pub mod two_filter;
 pub mod world;
 
+mod learner;
 mod pace;
 mod recovery;
 mod run;
 mod uncertainty;
 
 use asami_dataset::{ActionModel, Log, Models, Rng};
+use asami_math::kalman::Gaussian;
 
 use crate::learner::{CannotLearn, Lack, Learned};
 use crate::plane::Plane;
 use field::Field;
+pub(crate) use learner::em_learner;
 use parameters::{Parameters, given_sensor};
 use run::Run;
 use track::Track;
@@ -150,19 +153,34 @@ impl Default for Em {
 }
 
 impl Em {
+    /// With a smoother linearised on average over the states smoothed last, and exact moments.
+    #[must_use]
+    pub fn exact() -> Self {
+        Self { expectation: Expectation::Averaged, exact: true, ..Self::default() }
+    }
+
+    /// The answers that do best, each, together; each action's noise of motion drawn to that of all as in
+    /// [`MotionNoise::Learned`].
+    #[must_use]
+    pub fn best(pooled_steps: f64) -> Self {
+        Self {
+            motion: MotionNoise::Learned { pooled_steps },
+            outliers: Outliers::Mixture,
+            acceleration: Acceleration::Newton,
+            second_try: true,
+            ..Self::exact()
+        }
+    }
+
     /// Learns in the plane.
     ///
     /// # Errors
     /// What the log or the starting models lack.
     pub fn in_plane(&self, log: &Log, given: &Models, rng: &mut Rng) -> Result<Learned, CannotLearn> {
         let plane = Plane::try_from(log)?;
-        let world = Field { sensor_origin_m: plane.sensor_origin_m };
-        let f = start::curve_in_plane(&plane, &given_sensor(&plane, given)?, self.coefficients);
-        let mut lambda = Parameters::given(&plane, given, f, start::nowhere())?;
-        plane.require(self.coefficients + 3)?;
-        lambda.prior = start::prior_in_plane(&world, &plane, &lambda);
+        let lambda = start::in_plane(&plane, given, self.coefficients)?;
         let lacks = lacks(&plane, given, false);
-        Ok(Learned { lacks, ..Run::new(self, &world, &plane).learn(lambda, rng) })
+        Ok(Learned { lacks, ..Run::new(self, &Field::of(&plane), &plane).learn(lambda, rng) })
     }
 
     /// Learns along a line.
@@ -180,8 +198,31 @@ impl Em {
     }
 }
 
+/// The velocities that so many iterations with exact moments lead to, and the trajectory under these: what other
+/// methods start from. Sensor and noise stay as given: half learned, they are worse than poor ones.
+pub(crate) fn warmed(
+    plane: &Plane,
+    lambda: Parameters<3>,
+    iterations: u32,
+    rng: &mut Rng,
+) -> (Parameters<3>, Vec<Gaussian<3>>) {
+    let em = Em { max_iterations: iterations, ..Em::exact() };
+    let found = Run::new(&em, &Field::of(plane), plane).converge(lambda.clone(), &mut Learned::default(), rng).1;
+    let lambda = Parameters { velocity: found.velocity, prior: found.prior, ..lambda };
+    let states = smoothed(plane, &lambda);
+    (lambda, states)
+}
+
+/// The states given all data, by an iterated smoother that begins anew.
+pub(crate) fn smoothed(plane: &Plane, lambda: &Parameters<3>) -> Vec<Gaussian<3>> {
+    let (em, world) = (Em::exact(), Field::of(plane));
+    let mut run = Run::new(&em, &world, plane);
+    run.look_again(lambda);
+    run.trajectory
+}
+
 /// What the log lacks, actions included that are in the starting models and never executed.
-fn lacks(plane: &Plane, given: &Models, along_a_line: bool) -> Vec<Lack> {
+pub(crate) fn lacks(plane: &Plane, given: &Models, along_a_line: bool) -> Vec<Lack> {
     let mut lacks = plane.lacks(along_a_line);
     let entries = match &given.action {
         Some(ActionModel::Table(entries)) => &entries[..],

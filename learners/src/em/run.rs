@@ -74,7 +74,12 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
     }
 
     /// Iterates from `lambda` to convergence: the greatest log-likelihood, and the parameters.
-    fn converge(&mut self, mut lambda: Parameters<N>, learned: &mut Learned, rng: &mut Rng) -> (f64, Parameters<N>) {
+    pub(super) fn converge(
+        &mut self,
+        mut lambda: Parameters<N>,
+        learned: &mut Learned,
+        rng: &mut Rng,
+    ) -> (f64, Parameters<N>) {
         let mut best = (f64::NEG_INFINITY, lambda.clone());
         let mut pace = Pace::default();
         let (mut since_best, mut settled, mut last) = (0, 0, f64::NEG_INFINITY);

@@ -4,6 +4,7 @@
 //! landmarks' rectangle are tried, and the one under which the starting models explain the first sightings best is
 //! the mean. Along a line: the place from which the starting `f` gives the first size.
 
+use asami_dataset::Models;
 use asami_math::kalman::Gaussian;
 use asami_math::polynomial::Polynomial;
 use nalgebra::{SMatrix, SVector, Vector1, Vector3};
@@ -11,8 +12,9 @@ use nalgebra::{SMatrix, SVector, Vector1, Vector3};
 use super::curve::SizeCurve;
 use super::field::Field;
 use super::filter::{About, Forward};
-use super::parameters::Parameters;
+use super::parameters::{Parameters, given_sensor};
 use super::world::Problem;
+use crate::learner::CannotLearn;
 use crate::plane::Plane;
 
 /// Sightings that the grid of poses is judged by.
@@ -102,6 +104,18 @@ fn frames_up_to(plane: &Plane, sightings: usize) -> usize {
         }
     }
     plane.frames.len()
+}
+
+/// Everything that learning in the plane starts from: the given models over the log's actions, `f` over the landmarks'
+/// rectangle, and the best pose of the grid.
+///
+/// # Errors
+/// What the log or the given models lack.
+pub fn in_plane(plane: &Plane, given: &Models, coefficients: usize) -> Result<Parameters<3>, CannotLearn> {
+    let f = curve_in_plane(plane, &given_sensor(plane, given)?, coefficients);
+    let lambda = Parameters::given(plane, given, f, nowhere())?;
+    plane.require(coefficients + 3)?;
+    Ok(Parameters { prior: prior_in_plane(&Field::of(plane), plane, &lambda), ..lambda })
 }
 
 /// A vague state, for room.

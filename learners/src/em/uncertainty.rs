@@ -20,10 +20,12 @@ impl<const N: usize, const M: usize, W: World<N, M>> Run<'_, N, M, W> {
             && let Some(shared) = structure::shared(plane, N, &lambda.means(), &information)
         {
             lambda.set_means(&shared.parameters);
-            return lambda.models(plane, Some(&information::errors(plane, &shared.covariance, true)));
+            return lambda
+                .models(plane, Some(&information::errors(plane, &information::variances(&shared.covariance), true)));
         }
         let covariance = information::covariance(&information);
-        lambda.models(plane, covariance.map(|c| information::errors(plane, &c, false)).as_ref())
+        lambda
+            .models(plane, covariance.map(|c| information::errors(plane, &information::variances(&c), false)).as_ref())
     }
 
     /// Makes up for what the velocities have taken of the motion's noise: from the greatest likelihood to the
@@ -56,13 +58,18 @@ impl<const N: usize, const M: usize, W: World<N, M>> Run<'_, N, M, W> {
     /// The information about the smoothed trajectory of `lambda`; of units that the log leaves open, as if they
     /// were agreed on.
     pub(super) fn information(&mut self, lambda: &Parameters<N>) -> Option<information::Information> {
-        let (problem, weights) = (self.problem, &mut self.weights);
-        self.forward.run(problem, lambda, About::Own, weights, false)?;
-        smoother::backward(problem, lambda, About::Own, &self.forward, weights, &mut self.smoothed, None)?;
-        let mut information = information::information(problem, lambda, &self.smoothed, weights)?;
+        self.smooth(lambda)?;
+        let mut information = information::information(self.problem, lambda, &self.smoothed, &self.weights)?;
         for free in lambda.free_units() {
             information::agree(&mut information, &free);
         }
         Some(information)
+    }
+
+    /// Leaves the states given all data in `smoothed`: one filter, linearised about itself, and a smoother.
+    pub(super) fn smooth(&mut self, lambda: &Parameters<N>) -> Option<()> {
+        let (problem, weights) = (self.problem, &mut self.weights);
+        self.forward.run(problem, lambda, About::Own, weights, false)?;
+        smoother::backward(problem, lambda, About::Own, &self.forward, weights, &mut self.smoothed, None)
     }
 }

@@ -163,10 +163,11 @@ fn the_bound_of_a_robot_that_sees_all_but_perfectly_is_that_of_its_motion() {
     let text = text.replace("sigma1_px = 1.0", all_round).replace("sigma2_rad = 0.5", "sigma2_rad = 0.0005");
     let scenario = crate::scenario::parse("plain_2d", "plain_2d.toml", &text).unwrap();
     let crate::scenario::Origin::Simulated(simulation) = &scenario.origin else { panic!("simulated") };
-    let log = simulation.dataset(asami_dataset::Seed(1000)).unwrap().log;
+    let asami_dataset::Dataset { log, truth, .. } = simulation.dataset(asami_dataset::Seed(1000)).unwrap();
     let survey = crate::survey::at_hand(simulation, &[]).unwrap().unwrap();
-    let yardstick = Yardstick::of(&log, &Truth { survey: Some(survey.clone()), ..Truth::default() });
-    let bound = bound::bound(&yardstick, &log, &survey).unwrap();
+    let truth = Truth { survey: Some(survey.clone()), ..truth };
+    let yardstick = Yardstick::of(&log, &truth);
+    let bound = bound::bound(&yardstick, &log, &truth).unwrap();
 
     let plane = asami_learners::plane::Plane::try_from(&log).unwrap();
     let sds = survey.motion_sd.unwrap();

@@ -49,8 +49,7 @@ impl Study for InPlane {
     fn yardstick(_: &Scenario, dataset: &Dataset, _: Option<&Survey>) -> Yardstick {
         let Dataset { log, truth, .. } = dataset;
         let yardstick = Yardstick::of(log, truth);
-        let bound = truth.survey.as_ref().and_then(|survey| bound(&yardstick, log, survey));
-        Yardstick { bound, ..yardstick }
+        Yardstick { bound: bound(&yardstick, log, truth), ..yardstick }
     }
 
     fn given(scenario: &Scenario, row: &Row, log: &Log, _: &Yardstick) -> Result<Models, String> {
