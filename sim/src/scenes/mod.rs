@@ -1,3 +1,5 @@
-//! What stands around the robot.
+//! What surrounds robots, one file each.
 
 pub mod field;
+pub mod solid;
+pub mod town;
