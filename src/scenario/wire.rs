@@ -110,7 +110,9 @@ pub struct Windows {
 #[serde(deny_unknown_fields)]
 pub struct Row {
     /// Learner.
-    pub learner: String,
+    pub learner: Option<String>,
+    /// In its place: several, rows of the table for each.
+    pub learners: Option<Vec<String>>,
     /// Its name in tables.
     #[serde(rename = "as")]
     pub label: Option<String>,

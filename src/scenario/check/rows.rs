@@ -31,29 +31,28 @@ pub(super) fn rows(wire: &Wire, origin: Option<&Origin>, faults: &mut Vec<Fault>
     let mut rows = Vec::new();
     for (i, row) in wire.rows.iter().enumerate() {
         let path = format!("rows.{i}");
-        learner(&path, row, &wire.learners, faults);
         let era = era(&path, row, origin, faults);
         let most_s = origin.map_or(f64::INFINITY, |origin| longest_s(origin, era));
-        let label = row.label.clone().unwrap_or_else(|| row.learner.clone());
-        let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        if row.label.is_some() && (label.is_empty() || !label.chars().all(is_name)) {
-            let message = format!("a name in tables is letters, digits and _, not {label:?}");
-            fault(faults, &format!("{path}.as"), message);
-        }
         let duration_s = row.duration_s.unwrap_or(most_s);
         if row.duration_s.is_some() {
             let range = (DURATION.range.0, most_s);
             faults.extend(out_of_range(&path, &Parameter { range, ..DURATION }, duration_s));
         }
-        for (start, place) in starts(&path, row, faults) {
-            takes(&path, row, start, &place, wire.study, faults);
-            if !seen.insert((label.clone(), start, era, duration_s.to_bits())) {
-                let message =
-                    format!("row {label} with this start and duration_s stands here twice; tell them apart by `as`");
-                fault(faults, &path, message);
+        let starts = starts(&path, row, faults);
+        for (learner, learner_at) in named(&path, row, faults) {
+            configured(&path, row, (&learner, &learner_at), &wire.learners, faults);
+            let label = row.label.clone().unwrap_or_else(|| learner.clone());
+            for (start, start_at) in &starts {
+                takes((&learner, &learner_at), *start, start_at.as_deref(), wire.study, faults);
+                if !seen.insert((label.clone(), *start, era, duration_s.to_bits())) {
+                    let message = format!(
+                        "row {label} with this start and duration_s stands here twice; tell them apart by `as`"
+                    );
+                    fault(faults, &path, message);
+                }
+                let (learner, label, with) = (learner.clone(), label.clone(), row.with.clone());
+                rows.push(Row { learner, label, start: *start, era, duration_s, with });
             }
-            let (learner, label, with) = (row.learner.clone(), label.clone(), row.with.clone());
-            rows.push(Row { learner, label, start, era, duration_s, with });
         }
     }
     rows
@@ -73,13 +72,42 @@ fn era(path: &str, row: &wire::Row, origin: Option<&Origin>, faults: &mut Vec<Fa
     era
 }
 
+/// A row's learners, each with its place in the file.
+fn named(path: &str, row: &wire::Row, faults: &mut Vec<Fault>) -> Vec<(String, String)> {
+    let is_name = |label: &str| !label.is_empty() && label.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if let Some(label) = row.label.as_deref().filter(|label| !is_name(label)) {
+        let message = format!("a name in tables is letters, digits and _, not {label:?}");
+        fault(faults, &format!("{path}.as"), message);
+    }
+    match (&row.learner, &row.learners) {
+        (Some(learner), None) => vec![(learner.clone(), format!("{path}.learner"))],
+        (None, Some(learners)) if !learners.is_empty() => {
+            if row.label.is_some() && learners.len() > 1 {
+                fault(faults, &format!("{path}.as"), "a name in tables is for a row of one learner");
+            }
+            let place = |(i, learner): (usize, &String)| (learner.clone(), format!("{path}.learners.{i}"));
+            learners.iter().enumerate().map(place).collect()
+        }
+        _ => {
+            fault(faults, path, "a row must have learner, or learners with at least one, not both");
+            Vec::new()
+        }
+    }
+}
+
 /// A row's learner must be there and have the parameters that the row sets.
-fn learner(path: &str, row: &wire::Row, learners: &Learners, faults: &mut Vec<Fault>) {
+fn configured(
+    path: &str,
+    row: &wire::Row,
+    (learner, learner_at): (&str, &str),
+    learners: &Learners,
+    faults: &mut Vec<Fault>,
+) {
     let catalogue = asami_learners::catalogue();
-    let Some(about) = catalogue.iter().find(|about| about.name == row.learner) else {
+    let Some(about) = catalogue.iter().find(|about| about.name == learner) else {
         let names: Vec<_> = catalogue.iter().map(|about| format!("`{}`", about.name)).collect();
-        let message = format!("unknown learner `{}`, expected one of {}", row.learner, names.join(", "));
-        return fault(faults, &format!("{path}.learner"), message);
+        let message = format!("unknown learner `{learner}`, expected one of {}", names.join(", "));
+        return fault(faults, learner_at, message);
     };
     let mut known = row.with.clone();
     for name in row.with.keys().filter(|name| !about.parameters.iter().any(|parameter| parameter.name == **name)) {
@@ -97,29 +125,35 @@ fn learner(path: &str, row: &wire::Row, learners: &Learners, faults: &mut Vec<Fa
     }
 }
 
-/// What a row starts from, each with its place in the file: one row of the table for each.
-fn starts(path: &str, row: &wire::Row, faults: &mut Vec<Fault>) -> Vec<(Option<Start>, String)> {
+/// What a row starts from, each with its place in the file if it has one: one row of the table for each.
+fn starts(path: &str, row: &wire::Row, faults: &mut Vec<Fault>) -> Vec<(Option<Start>, Option<String>)> {
     match (&row.starts, row.start) {
-        (None, None) => vec![(None, format!("{path}.learner"))],
-        (None, Some(start)) => vec![(Some(start), format!("{path}.start"))],
+        (None, None) => vec![(None, None)],
+        (None, Some(start)) => vec![(Some(start), Some(format!("{path}.start")))],
         (Some(starts), start) => {
             if start.is_some() || starts.is_empty() {
                 let message = "a row must have start, or starts with at least one, not both";
                 fault(faults, &format!("{path}.starts"), message);
             }
-            let place = |(i, start): (usize, &Start)| (Some(*start), format!("{path}.starts.{i}"));
+            let place = |(i, start): (usize, &Start)| (Some(*start), Some(format!("{path}.starts.{i}")));
             starts.iter().enumerate().map(place).collect()
         }
     }
 }
 
 /// A learner must be for what is studied, and be given what it needs.
-fn takes(path: &str, row: &wire::Row, start: Option<Start>, place: &str, study: Study, faults: &mut Vec<Fault>) {
+fn takes(
+    (learner, learner_at): (&str, &str),
+    start: Option<Start>,
+    start_at: Option<&str>,
+    study: Study,
+    faults: &mut Vec<Fault>,
+) {
     let catalogue = asami_learners::catalogue();
-    let Some(about) = catalogue.iter().find(|about| about.name == row.learner) else { return };
+    let Some(about) = catalogue.iter().find(|about| about.name == learner) else { return };
     if (about.needs == Needs::Both) != (study != Study::Line) && about.needs != Needs::Nothing {
         let message = format!("learner {} is not for study \"{}\"", about.name, study.name());
-        return fault(faults, &format!("{path}.learner"), message);
+        return fault(faults, learner_at, message);
     }
     let needs = match about.needs {
         Needs::Nothing => "no start",
@@ -129,6 +163,6 @@ fn takes(path: &str, row: &wire::Row, start: Option<Start>, place: &str, study: 
     };
     if start.map_or(about.needs != Needs::Nothing, |start| !start.fits(about.needs)) {
         let start = start.map_or("none", Start::name);
-        fault(faults, place, format!("learner {} takes {needs}, not {start}", about.name));
+        fault(faults, start_at.unwrap_or(learner_at), format!("learner {} takes {needs}, not {start}", about.name));
     }
 }
