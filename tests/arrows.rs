@@ -4,10 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Who may see whom; a crate that is missing here has no place in the house yet.
-const PLAN: [(&str, &[&str]); 5] = [
+const PLAN: [(&str, &[&str]); 6] = [
     ("asami-math", &[]),
     ("asami-dataset", &["asami-math"]),
-    ("asami-sim", &["asami-dataset", "asami-math"]),
+    ("asami-raycast", &["asami-math"]),
+    ("asami-sim", &["asami-dataset", "asami-math", "asami-raycast"]),
     ("asami-learners", &["asami-dataset", "asami-math"]),
     ("asami", &["asami-dataset", "asami-learners", "asami-math", "asami-sim"]),
 ];
@@ -17,6 +18,15 @@ const DRAWERS: [&str; 6] = ["utils", "util", "common", "core", "helpers", "misc"
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The folder of a package of ours.
+fn folder(package: &str) -> PathBuf {
+    match package.strip_prefix("asami-") {
+        None => root().to_owned(),
+        Some("raycast") => root().join("sim/raycast"),
+        Some(name) => root().join(name),
+    }
 }
 
 /// Every manifest of the workspace: package name and the asami packages of any kind of dependency.
@@ -81,8 +91,7 @@ fn a_forbidden_arrow_is_seen_in_any_kind_of_dependency() {
 fn only_the_simulator_uses_the_physics_engine() {
     let users = |part: &str| -> Vec<String> {
         let holds = |name: &str| {
-            let folder = if name == "asami" { root().to_owned() } else { root().join(&name["asami-".len()..]) };
-            let manifest = read(&folder.join("Cargo.toml"));
+            let manifest = read(&folder(name).join("Cargo.toml"));
             ["dependencies", "dev-dependencies"]
                 .iter()
                 .filter_map(|kind| manifest.get(*kind)?.as_table())
@@ -91,16 +100,29 @@ fn only_the_simulator_uses_the_physics_engine() {
         PLAN.iter().map(|(name, _)| (*name).to_owned()).filter(|name| holds(name)).collect()
     };
     assert_eq!(users("rapier3d"), ["asami-sim"]);
+    assert_eq!(users("parry3d"), ["asami-raycast"]);
     // Learners neither run in parallel nor print progress: whoever calls them does.
-    for part in ["rayon", "indicatif", "clap"] {
+    for part in ["indicatif", "clap"] {
         assert_eq!(users(part), ["asami"], "{part}");
+    }
+    assert!(!users("rayon").contains(&"asami-learners".to_owned()));
+}
+
+#[test]
+fn only_the_ray_caster_may_use_unsafe_code() {
+    let workspace: toml::Table = read(&root().join("Cargo.toml"));
+    assert_eq!(workspace["workspace"]["lints"]["rust"]["unsafe_code"].as_str(), Some("forbid"));
+    for (name, _) in PLAN {
+        let lints = read(&folder(name).join("Cargo.toml"))["lints"].clone();
+        let kept = lints.get("workspace").and_then(toml::Value::as_bool) == Some(true);
+        assert_eq!(kept, name != "asami-raycast", "{name}");
     }
 }
 
 #[test]
 fn there_are_no_drawers() {
     let mut files = Vec::new();
-    for part in ["src", "math/src", "dataset/src", "sim/src", "learners/src", "tests", "benches"] {
+    for part in ["src", "math/src", "dataset/src", "sim/src", "sim/raycast", "learners/src", "tests", "benches"] {
         collect(&root().join(part), &mut files);
     }
     assert!(files.len() > 50, "the walk found only {} files", files.len());
