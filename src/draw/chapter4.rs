@@ -1,5 +1,7 @@
 //! The figures of chapter 4 of Stronger (2008), out of plain numbers.
 
+use asami_math::statistics::median;
+
 use super::axis::cover;
 use super::figure::{Figure, Mark, Stroke};
 
@@ -39,8 +41,8 @@ pub struct Sensors<'a> {
     pub starting: &'a dyn Fn(f64) -> f64,
     /// What it learned.
     pub learned: &'a dyn Fn(f64) -> f64,
-    /// What the camera's data sheet says, where there is a camera.
-    pub analytic: Option<&'a dyn Fn(f64) -> f64>,
+    /// What the sensor would say by its data, and what that is called.
+    pub analytic: (&'static str, &'a dyn Fn(f64) -> f64),
     /// Distances and mean sizes.
     pub measured: &'a [[f64; 2]],
 }
@@ -54,16 +56,19 @@ pub fn sensors(name: &str, unit: &str, of: &Sensors<'_>) -> Figure {
         .y(if unit == "px" { "beacon height" } else { "measured range" }, unit)
         .points("measured", Mark::Plus, of.measured)
         .curve("starting", Stroke::Dashed, distances, of.starting)
-        .curve("learned", Stroke::Solid, distances, of.learned);
-    let figure = match of.analytic {
-        Some(analytic) => figure.curve("by the camera's data", Stroke::Dashed, distances, analytic),
-        None => figure,
-    };
-    figure.caption(
-        "The linear f that learning starts from, the f that was learned from the first log, and mean sizes at surveyed \
-         distances. Good: the learned curve goes through the marks. A curve that leaves them at an end was seldom seen \
-         there.",
-    )
+        .curve("learned", Stroke::Solid, distances, of.learned)
+        .curve(of.analytic.0, Stroke::Dashed, distances, of.analytic.1);
+    figure.caption(match of.measured {
+        [] => {
+            "The linear f that learning starts from, and the f that was learned from the first log. Ranges were not \
+             surveyed. Good: the learned curve lies along the true distance, but for the sensor's own errors."
+        }
+        _ => {
+            "The linear f that learning starts from, the f that was learned from the first log, and mean sizes at \
+             surveyed distances. Good: the learned curve goes through the marks. A curve that leaves them at an end was \
+             seldom seen there."
+        }
+    })
 }
 
 /// Learning curves of several learners over iterations: name and points, in the unit of the label.
@@ -80,16 +85,30 @@ pub fn learning_curves(
     ends.sort_by(f64::total_cmp);
     let end = ends.get(ends.len() / 2).copied().unwrap_or(1.0).max(1.0);
     let figure = Figure::new(name, title).x("iteration", "").y(label, unit).size(1120, 420).x_range(0.0, end);
+    let figure = match down_to(curves, end) {
+        Some(greatest) => figure.y_range(0.0, greatest),
+        None => figure,
+    };
     let stroke = |i: usize| if i < super::PALETTE.len() { Stroke::Solid } else { Stroke::Dashed };
     let figure = curves
         .iter()
         .enumerate()
         .fold(figure, |figure, (i, (name, points))| figure.line(name, stroke(i), points.as_slice()));
     figure.caption(
-        "All learners from the published start, on the first log, up to where half of them are done. An iteration is a \
-         pass over the data, and costs different learners different times (`timings.csv`). Good: down early, and low \
-         at the end.",
+        "All learners from the published start, on the first log, up to where half of them are done; cut off at four \
+         times the median of what they end with, above which a learner that diverges may stay. An iteration is a pass \
+         over the data, and costs different learners different times (`timings.csv`). Good: down early, and low at the \
+         end.",
     )
+}
+
+/// Four times the median of the last values until `end`, where any curve comes from above that.
+fn down_to(curves: &[(String, Vec<[f64; 2]>)], end: f64) -> Option<f64> {
+    let within = |points: &[[f64; 2]]| points.iter().filter(|point| point[0] <= end).map(|point| point[1]).collect();
+    let values: Vec<Vec<f64>> = curves.iter().map(|(_, points)| within(points)).collect();
+    let lasts: Vec<f64> = values.iter().filter_map(|values| values.last().copied()).collect();
+    let most = 4.0 * median(&lasts).filter(|median| *median > 0.0)?;
+    values.iter().flatten().any(|value| *value > most).then_some(most)
 }
 
 /// Figure 4.6a: mean heights at surveyed distances, and the learned f after shifting and scaling.
@@ -130,7 +149,7 @@ mod tests {
     #[test]
     fn figures_without_data_are_empty_figures() {
         let nan = |_: f64| f64::NAN;
-        let none = Sensors { starting: &nan, learned: &nan, analytic: None, measured: &[] };
+        let none = Sensors { starting: &nan, learned: &nan, analytic: ("", &nan), measured: &[] };
         for figure in [
             likelihood("a", &[]),
             velocity_errors("b", &[], &[]),
@@ -141,6 +160,15 @@ mod tests {
         ] {
             assert!(figure.svg().contains("no data"), "{}", figure.name);
         }
+    }
+
+    #[test]
+    fn learning_curves_are_cut_off_where_they_have_come_down() {
+        let curve = |name: &str, ends: f64| (name.to_owned(), vec![[0.0, 300.0], [1.0, 50.0], [2.0, ends]]);
+        let figure = learning_curves("a", "b", ("", ""), &[curve("a", 4.0), curve("b", 5.0), curve("c", 400.0)]);
+        assert_eq!(figure.y.range, Some((0.0, 20.0)));
+        let flat = [("a".to_owned(), vec![[0.0, 6.0], [1.0, 5.0]])];
+        assert_eq!(learning_curves("a", "b", ("", ""), &flat).y.range, None);
     }
 
     #[test]

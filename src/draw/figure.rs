@@ -65,6 +65,12 @@ impl Series {
         }
     }
 
+    /// Whether there is nothing of it to draw.
+    pub(crate) fn is_empty(&self) -> bool {
+        // A level has no x of its own.
+        !self.extent().iter().any(|[_, y]| drawable(*y))
+    }
+
     /// The points that a reader may ask for by pointing at them.
     pub(crate) fn told(&self) -> Vec<[f64; 2]> {
         match &self.shape {

@@ -48,10 +48,10 @@ impl Layout {
 
 /// Places of the legend's entries (series, x, y), wrapped at the figure's width, and its number of rows.
 fn legend(figure: &Figure, width: f64) -> (Vec<(usize, f64, f64)>, usize) {
-    let named = figure.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty());
+    let named = figure.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty() && !series.is_empty());
     let (mut places, mut x, mut row) = (Vec::new(), 0.0, 0usize);
     for (index, series) in named {
-        let takes = SWATCH_PX + 6.0 + series.name.chars().count() as f64 * LETTER_PX + 14.0;
+        let takes = SWATCH_PX + 6.0 + width_px(&series.name) + 14.0;
         if x > 0.0 && x + takes > width - 6.0 {
             (x, row) = (0.0, row + 1);
         }
@@ -60,6 +60,16 @@ fn legend(figure: &Figure, width: f64) -> (Vec<(usize, f64, f64)>, usize) {
     }
     let rows = if places.is_empty() { 0 } else { row + 1 };
     (places, rows)
+}
+
+/// About how wide a text is in a wide sans-serif: which one a reader has is not known.
+fn width_px(text: &str) -> f64 {
+    let letter = |c: char| match c {
+        'm' | 'w' | 'M' | 'W' => 12.2,
+        'i' | 'j' | 'l' | 't' | 'f' | 'I' | ' ' | ',' | '.' | '\'' | '(' | ')' => 5.0,
+        _ => 7.6,
+    };
+    text.chars().map(letter).sum()
 }
 
 /// `<svg>` of a figure, without a name space.
@@ -363,6 +373,13 @@ mod tests {
             path.map(|path| path.matches('M').count())
         };
         assert_eq!((strokes(&whole), strokes(&gap)), (Some(1), Some(2)));
+    }
+
+    #[test]
+    fn a_series_without_points_is_not_in_the_legend() {
+        let figure =
+            Figure::new("a", "b").points("none", Mark::Dot, []).line("some", Stroke::Solid, [[0.0, 1.0], [1.0, 2.0]]);
+        assert!(!figure.svg().contains("none</text>") && figure.svg().contains("some</text>"));
     }
 
     #[test]

@@ -7,6 +7,8 @@ use super::{Block, Plate, Report, Section};
 use crate::draw::escape;
 
 const STYLE: &str = include_str!("style.css");
+/// Tables of more columns are set closer.
+const WIDE: usize = 9;
 const SCRIPT: &str = include_str!("script.js");
 
 pub(super) fn page(report: &Report) -> String {
@@ -93,7 +95,8 @@ fn table_into(table: &Table, out: &mut String) {
     let class = |column: usize| if numeric[column] { " class=\"n\"" } else { "" };
     let _ = write!(
         out,
-        "<div class=\"table\"><table>\n<caption><b>{}.</b> {}</caption>\n<thead><tr>",
+        "<div class=\"table{}\"><table>\n<caption><b>{}.</b> {}</caption>\n<thead><tr>",
+        if table.heads.len() > WIDE { " wide" } else { "" },
         escape(&table.name),
         inline(&table.caption)
     );
@@ -106,7 +109,12 @@ fn table_into(table: &Table, out: &mut String) {
         for (column, Cell { text, value, hint }) in cells.iter().enumerate().take(numeric.len()) {
             let sort = value.map(|value| format!(" data-v=\"{value}\"")).unwrap_or_default();
             let hint = if hint.is_empty() { String::new() } else { format!(" data-hint=\"{}\"", escape(hint)) };
-            let _ = write!(out, "<td{}{sort}{hint}>{}</td>", class(column), inline(text));
+            // In close tables, what stands in brackets behind a number goes below it.
+            let shown = match text.split_once(" (").filter(|_| value.is_some()) {
+                Some((number, brackets)) => format!("{} <span>({}</span>", inline(number), inline(brackets)),
+                None => inline(text),
+            };
+            let _ = write!(out, "<td{}{sort}{hint}>{shown}</td>", class(column));
         }
         out.push_str("</tr>\n");
     }

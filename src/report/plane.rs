@@ -77,12 +77,14 @@ fn sensors(results: &Results<InPlane>, trial: &Trial, name: &str) -> Option<Figu
     let learned = polynomial(models.sensor.as_ref()?)?;
     let heights = results.survey.iter().flat_map(|survey| &survey.height_by_distance);
     let measured: Vec<[f64; 2]> = heights.map(|height| [height.distance_m, height.height_px]).collect();
-    let analytic = |d: f64| ANALYTIC_PX_M / d;
-    let is_camera = unit == Unit::HeightPx;
+    let analytic: (_, &dyn Fn(f64) -> f64) = match unit {
+        Unit::HeightPx => ("by the camera's data", &|d| ANALYTIC_PX_M / d),
+        Unit::RangeM => ("true distance", &|d| 1e3 * d),
+    };
     let of = Sensors {
         starting: &|d| factor * starting.at(d),
         learned: &|d| factor * learned.at(d),
-        analytic: if is_camera { Some(&analytic) } else { None },
+        analytic,
         measured: &measured,
     };
     Some(chapter4::sensors(name, unit_name, &of))

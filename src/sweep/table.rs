@@ -354,7 +354,8 @@ impl Table {
                     Some(Entry::Printed(value)) => (Some(value), String::new()),
                     None => (None, String::new()),
                 };
-                report::Cell { text: text.clone(), value, hint }
+                let text = if value.is_some() { text.replace('-', "\u{2212}") } else { text.clone() };
+                report::Cell { text, value, hint }
             };
             let mut row: Vec<report::Cell> = texts.iter().enumerate().map(cell).collect();
             if let (Some(last), Some((converged, trials))) = (row.last_mut(), line.converged) {

@@ -109,7 +109,7 @@ impl Study for Strides {
     fn finish(results: Results<Self>, finishing: &Finishing<'_>) -> Result<Finished, CannotSweep> {
         let trials = rows::trials(&results);
         let published: &[Published] = match results.scenario.origin {
-            Origin::Simulated(_) => published::SECTION_4_4_3,
+            Origin::Simulated(_) => published::section_4_4_3(results.changed.is_some()),
             Origin::Recorded(_) => &[],
         };
         let compared = ["action_rmse_mm_per_s", "sensor_rmse_px"];
