@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use asami::scenario::{self, Start};
 use asami_dataset::store;
 
 fn block<'a>(text: &'a str, kind: &str) -> &'a str {
@@ -32,6 +33,27 @@ fn the_smallest_robot_of_the_docs_is_a_data_set() {
     }
     let dataset = store::read(folder.path()).expect("the docs' own example");
     assert_eq!((dataset.log.commands.len(), dataset.log.sightings.len()), (2, 2));
+}
+
+#[test]
+fn the_small_scenario_of_the_docs_is_one() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = std::fs::read_to_string(root.join("docs/scenarios.md")).expect("the page");
+    let scenario = scenario::parse("small", "docs/scenarios.md", block(&page, "toml")).expect("the docs' own example");
+    assert_eq!((scenario.rows.len(), scenario.expect.len()), (2, 1));
+    // Every key of a scenario file, every starting model and every scenario of chapter 4 has its place on the page.
+    let wire = std::fs::read_to_string(root.join("src/scenario/wire.rs")).expect("the wire format");
+    let (_, fields) = wire.split_once("pub struct Wire {").expect("the whole file");
+    let fields = fields.split_once("\n}").expect("its end").0;
+    let keys = fields.lines().filter_map(|line| line.trim().strip_prefix("pub ")?.split_once(':')).map(|(key, _)| key);
+    let keys: Vec<&str> = keys.map(|key| key.trim_start_matches('_')).collect();
+    assert!(keys.len() > 20, "{keys:?}");
+    let starts = Start::CHAPTER_4.map(Start::name);
+    let scenarios = ["plain_2d", "aibo_2d", "aibo_1d_em", "aibo_1d_changed", "barfoot_2d", "mrclam"];
+    for name in keys.into_iter().chain(starts).chain(scenarios) {
+        let names = ["`", "`[", "`[["].map(|before| format!("{before}{name}"));
+        assert!(names.iter().any(|name| page.contains(name)), "{name} is not on the page");
+    }
 }
 
 #[test]
