@@ -47,13 +47,13 @@ fn assert_refused(text: &str, line: usize, why: &str) {
     assert!(shown.contains(&format!("broken.toml:{line}:")), "{why}: {shown}");
 }
 
-/// The lines `key = value` of a file, counted from 1.
+/// The lines `key = value` of a file, counted from 1; not those whose list goes on in the next line.
 fn settings(text: &str) -> impl Iterator<Item = (usize, &str, &str)> {
     text.lines().enumerate().filter_map(|(i, line)| {
         let (key, value) = line.split_once(" = ")?;
         let value = if value.starts_with('"') { value } else { value.split('#').next()?.trim() };
         let is_key = key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        is_key.then_some((i + 1, key, value))
+        (is_key && value != "[").then_some((i + 1, key, value))
     })
 }
 
