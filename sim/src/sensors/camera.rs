@@ -30,7 +30,7 @@ asami_dataset::parameters! {
         frame_rate_hz: f64 = 20.0, "Hz", 1.0..=100.0;
         /// How long the shutter of one row stays open.
         exposure_s: f64 = 0.005, "s", 0.0..=0.05;
-        /// From the top row's exposure to the bottom row's; the frame's time is when the bottom row's shutter closes.
+        /// From the top row's exposure to the bottom row's; the frame's time is half-way through the middle row's.
         readout_s: f64 = 0.02, "s", 0.0..=0.05;
         /// Standard deviation of a pixel's noise in each plane, in levels of 255.
         pixel_noise_sd: f64 = 4.0, "1", 0.0..=30.0;

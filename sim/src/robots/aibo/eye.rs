@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use asami_dataset::{Rng, Seed, Sighting, Size};
+use asami_dataset::{Frame, Rng, Seed, Sighting, Size};
 use nalgebra::{Isometry3, UnitQuaternion};
 use rand::RngExt;
 
@@ -19,6 +19,8 @@ pub struct Eye {
     vision: Vision,
     head_from_camera: Isometry3<f64>,
     frame_rate_hz: f64,
+    /// From the opening of the middle row's shutter, half-way through, to the last row's closing.
+    half_frame_s: f64,
     /// From the first row's exposure to the last one's, in engine steps.
     frame_steps: f64,
     /// Poses of the camera at the latest steps, newest first.
@@ -52,6 +54,7 @@ impl Eye {
             vision: Vision::new(camera, neck, field.beacons.iter().map(Pattern::from).collect()),
             head_from_camera: blueprint.head_from_camera,
             frame_rate_hz: camera.frame_rate_hz,
+            half_frame_s: 0.5 * camera.frame_s(),
             frame_steps: camera.frame_s() / time_step_s,
             world_from_camera: VecDeque::new(),
             pan_rad: VecDeque::new(),
@@ -70,18 +73,21 @@ impl Eye {
         self.pan_rad.truncate(kept);
     }
 
-    /// Whether a frame is due at `t_s`: at the first step not before its time.
+    /// Whether a frame is complete at `now_s`: at the first step when its last row has been exposed.
     #[must_use]
-    pub fn is_due(&self, t_s: f64) -> bool {
+    pub fn is_due(&self, now_s: f64) -> bool {
         // Both times are rounded multiples.
-        t_s >= self.frames as f64 / self.frame_rate_hz - 1e-9
+        now_s - self.half_frame_s >= self.frames as f64 / self.frame_rate_hz - 1e-9
     }
 
-    /// Takes the frame that is due: the head's pan as the robot pairs it with the frame, and what was seen.
-    pub fn look(&mut self, t_s: f64) -> (f64, Vec<Sighting>) {
+    /// Takes the frame that is complete: its time, which is when the middle row was exposed, with the head's pan as the
+    /// robot pairs it with the frame; and what was seen.
+    pub fn look(&mut self, now_s: f64) -> (Frame, Vec<Sighting>) {
         self.frames += 1;
+        let t_s = (now_s - self.half_frame_s).max(0.0);
         let head_pan_rad = self.read_pan_rad();
-        let Some(close) = self.world_from_camera.front() else { return (head_pan_rad, Vec::new()) };
+        let frame = Frame { t_s, head_pan_rad };
+        let Some(close) = self.world_from_camera.front() else { return (frame, Vec::new()) };
         let image = self.camera.look(&self.opened(close), close);
         let glimpses = self.vision.sight(image, head_pan_rad);
         let sighting = |glimpse: crate::sensors::vision::Glimpse| Sighting {
@@ -90,7 +96,7 @@ impl Eye {
             size: Size::HeightPx(glimpse.height_px),
             bearing_rad: glimpse.bearing_rad,
         };
-        (head_pan_rad, glimpses.into_iter().map(sighting).collect())
+        (frame, glimpses.into_iter().map(sighting).collect())
     }
 
     /// The head's pan when the image's middle rows were exposed, or read about then.

@@ -1,6 +1,6 @@
 //! The Aibo on a field: the loop from command to motors, and from poses to frames.
 
-use asami_dataset::{Action, Beacon, Camera, Frame, Known, Seed, TruePose};
+use asami_dataset::{Action, Beacon, Camera, Known, Seed, TruePose};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::atan2;
 use nalgebra::Vector3;
@@ -171,21 +171,21 @@ impl AiboWorld {
 
     /// Follows the head, and takes a frame if one is due.
     fn look(&mut self, record: &mut Record) {
-        let t_s = self.now_s();
+        let now_s = self.now_s();
         self.eye.follow(&self.body.world_from_head(), self.body.angle_rad(PAN));
-        if !self.eye.is_due(t_s) {
+        if !self.eye.is_due(now_s) {
             return;
         }
-        let (head_pan_rad, mut sightings) = self.eye.look(t_s);
+        let (frame, mut sightings) = self.eye.look(now_s);
         for stage in &mut self.sighting_stages {
-            stage(t_s, &mut sightings);
+            stage(frame.t_s, &mut sightings);
         }
         self.heading.look(&sightings);
-        record.seen.frames.push(Frame { t_s, head_pan_rad });
+        record.seen.frames.push(frame);
         record.seen.sightings.append(&mut sightings);
         record.track.push(self.pose());
         if let Some(watch) = &mut self.watch {
-            watch.outlines.push(outline(t_s, &self.body, &self.blueprint));
+            watch.outlines.push(outline(now_s, &self.body, &self.blueprint));
         }
     }
 }
@@ -218,7 +218,8 @@ impl World for AiboWorld {
         self.body.set_friction(self.grip.factors(t_s).map(|factor| factor * friction), friction);
 
         if self.steps == 0 {
-            self.look(record);
+            self.eye.follow(&self.body.world_from_head(), self.body.angle_rad(PAN));
+            record.track.push(self.pose());
         }
         let attempt = self.attempt(t_s, action, &knobs);
         self.drive(t_s, attempt);
