@@ -1,0 +1,167 @@
+//! A drive's worth of firings.
+
+use asami_dataset::{Firings, Seed};
+use asami_raycast::{Bundle, Hits};
+use rayon::prelude::*;
+
+use super::beams::{self, Clock, FIRINGS, Heads, LASERS, Mount, RUN};
+use super::returns::{Meter, Readings, draw};
+use super::track::Track;
+use super::{Scenery, SensorPose, TrackError, Unit, VelodyneConfig};
+
+/// Firings that are worked off, and for which random streams are named, together.
+const BLOCK: usize = 512;
+/// Units of the encoder's angle in a turn.
+const ENCODER_STEPS: f64 = 36_000.0;
+
+/// A scanner on a car's roof.
+#[derive(Clone, Debug)]
+pub struct Velodyne {
+    config: VelodyneConfig,
+    unit: Unit,
+    mounts: Vec<Mount>,
+}
+
+/// What all blocks of a drive share.
+struct Drive<'a> {
+    scenery: &'a Scenery,
+    track: Track<'a>,
+    clock: Clock,
+    meter: Meter,
+    seed: Seed,
+}
+
+/// Where one laser's readings of a block go.
+struct Row<'a> {
+    /// Number of the first firing.
+    first: isize,
+    range_2mm: &'a mut [u16],
+    intensity: &'a mut [u8],
+}
+
+impl Velodyne {
+    /// A scanner with the unit's lasers.
+    #[must_use]
+    pub fn new(config: VelodyneConfig, unit: Unit) -> Self {
+        let mounts = beams::mounts(&unit, &config);
+        Self { config, unit, mounts }
+    }
+
+    /// What the lasers' angles are counted from, plus the angles: theta_l + theta_b of each laser, by increasing
+    /// vertical angle, wrapped to [-pi, pi): what is to be learned.
+    #[must_use]
+    pub fn horizontal_angles_rad(&self) -> Vec<f64> {
+        let angle = |laser: &super::Laser| asami_math::angle::wrap_rad(laser.horizontal_rad + self.config.base_rad);
+        self.unit.lasers().iter().map(angle).collect()
+    }
+
+    /// The unit.
+    #[must_use]
+    pub fn unit(&self) -> &Unit {
+        &self.unit
+    }
+
+    /// Records from the first pose of a track to its last. In parallel; the bits do not hang on the number of threads.
+    ///
+    /// # Errors
+    /// If the track has fewer than two poses, times that do not increase, or numbers that are none.
+    pub fn scan(&self, scenery: &Scenery, poses: &[SensorPose], seed: Seed) -> Result<Firings, TrackError> {
+        let track = Track::new(poses)?;
+        let [start_s, end_s] = track.span_s();
+        let clock = Clock::new(&self.config, start_s);
+        let count =
+            (((end_s - start_s - self.config.bank_s) * self.config.firing_rate_hz).floor() + 1.0).max(0.0) as usize;
+        let lasers = self.mounts.len();
+        let mut firings = Firings {
+            t_s: (0..count as isize).map(|firing| clock.t_s(firing)).collect(),
+            encoder_cdeg: (0..count as isize)
+                .map(|firing| ((clock.turned(firing) * ENCODER_STEPS).round() % ENCODER_STEPS) as u16)
+                .collect(),
+            range_2mm: vec![vec![0; count]; lasers],
+            intensity: vec![vec![0; count]; lasers],
+        };
+        let drive = Drive { scenery, track, clock, meter: Meter::new(&self.config), seed };
+        self.rows(&mut firings).into_par_iter().enumerate().for_each(|(block, mut rows)| {
+            self.scan_block(&drive, block, &mut rows);
+        });
+        Ok(firings)
+    }
+
+    /// Least and greatest lag of a laser.
+    fn lags(&self) -> [isize; 2] {
+        let lags = || self.mounts.iter().map(|mount| mount.lag);
+        [lags().min().unwrap_or(0), lags().max().unwrap_or(0)]
+    }
+
+    /// First firing of a block, for a laser without lag. Blocks begin so early that the lasers of the greatest lag miss nothing.
+    fn first_of(&self, block: usize) -> isize {
+        (block * BLOCK) as isize - self.lags()[1]
+    }
+
+    /// Rows, block by block and laser by laser: a block's lasers look the same way, at firings of their own.
+    fn rows<'a>(&self, firings: &'a mut Firings) -> Vec<Vec<Row<'a>>> {
+        let count = firings.t_s.len();
+        let [least, greatest] = self.lags();
+        let blocks = (count + (greatest - least) as usize).div_ceil(BLOCK);
+        let mut rows: Vec<Vec<Row>> = (0..blocks).map(|_| Vec::with_capacity(self.mounts.len())).collect();
+        let lasers = firings.range_2mm.iter_mut().zip(&mut firings.intensity).zip(&self.mounts);
+        for ((mut ranges, mut intensities), mount) in
+            lasers.map(|((a, b), mount)| ((a.as_mut_slice(), b.as_mut_slice()), mount))
+        {
+            let within = |firing: isize| firing.clamp(0, count as isize);
+            for (block, rows) in rows.iter_mut().enumerate() {
+                let first = within(self.first_of(block) + mount.lag);
+                let length = (within(self.first_of(block + 1) + mount.lag) - first) as usize;
+                let (range_2mm, intensity);
+                (range_2mm, ranges) = ranges.split_at_mut(length);
+                (intensity, intensities) = intensities.split_at_mut(length);
+                rows.push(Row { first, range_2mm, intensity });
+            }
+        }
+        rows
+    }
+
+    fn scan_block(&self, drive: &Drive, block: usize, rows: &mut [Row]) {
+        let Drive { scenery, track, clock, meter, seed } = drive;
+        let [least, greatest] = self.lags();
+        let first = self.first_of(block);
+        let heads = Heads::new(track, clock, self.config.base_rad, first + least..first + greatest + BLOCK as isize);
+        let mut noise = seed.stream(&format!("velodyne/range/{block}"));
+        let mut chance = seed.stream(&format!("velodyne/loss/{block}"));
+        let (mut bundle, mut hits) = (Bundle::empty(), Hits::none());
+        for step in (0..BLOCK).step_by(FIRINGS) {
+            let at = first + step as isize;
+            for (mounts, rows) in self.mounts.chunks(LASERS).zip(rows.chunks_mut(LASERS)) {
+                // The last bundle of a unit whose lasers do not come by fours has lanes left over.
+                if mounts.len() < LASERS {
+                    bundle = Bundle::empty();
+                }
+                for (slot, mount) in mounts.iter().enumerate() {
+                    heads.aim(mount, at + mount.lag, slot, &mut bundle);
+                }
+                scenery.caster().cast(&bundle, meter.reach_m(), &mut hits);
+                let readings = meter.read(scenery, &bundle, &hits, &draw(&mut noise), &draw(&mut chance));
+                for (slot, (mount, row)) in mounts.iter().zip(rows).enumerate() {
+                    row.take(&readings, slot, at + mount.lag);
+                }
+            }
+        }
+    }
+}
+
+impl Row<'_> {
+    /// Takes a laser's readings out of a bundle's, from firing `first` on.
+    fn take(&mut self, readings: &Readings, slot: usize, first: isize) {
+        for run in 0..FIRINGS / RUN {
+            let lane = RUN * LASERS * run + RUN * slot;
+            let (ranges, intensities) = (&readings.range_2mm[lane..lane + RUN], &readings.intensity[lane..lane + RUN]);
+            let place = first + (RUN * run) as isize - self.first;
+            // Firings before the start and after the end are nobody's.
+            let skip = usize::try_from(-place).unwrap_or(0).min(RUN);
+            let place = usize::try_from(place).unwrap_or(0).min(self.range_2mm.len());
+            let count = (RUN - skip).min(self.range_2mm.len() - place);
+            self.range_2mm[place..place + count].copy_from_slice(&ranges[skip..skip + count]);
+            self.intensity[place..place + count].copy_from_slice(&intensities[skip..skip + count]);
+        }
+    }
+}
