@@ -180,7 +180,7 @@ pub fn look(
         let read = record.seen.sightings.iter().filter(is_read).count();
         read >= wanted || record.seen.frames.iter().filter(|frame| frame.t_s >= how.stand_s).count() >= 20 * wanted
     });
-    let Record { seen, track } = walk.record;
+    let Record { seen, track, .. } = walk.record;
     let off_truth = |sighting: &Sighting| {
         let pose = pose_at(&track, sighting.t_s)?;
         let direction_rad = atan2(pose.x_m - beacon_m[0], beacon_m[1] - pose.y_m);

@@ -2,6 +2,8 @@
 
 use asami_dataset::{Action, Channel, Command, Dataset, Frame, Known, Log, Odometry, Sighting, TruePose, Truth};
 
+use crate::sensors::velodyne::SensorPose;
+
 /// A robot in a scene, stepped from control tick to control tick.
 pub trait World: Send {
     /// What the robot knows before it moves.
@@ -24,6 +26,8 @@ pub struct Record {
     pub seen: Seen,
     /// Where the robot was.
     pub track: Vec<TruePose>,
+    /// Where a car's Velodyne was, at every step of the engine.
+    pub sensor_poses: Vec<SensorPose>,
 }
 
 /// The part of a record that the robot itself has.
@@ -54,6 +58,12 @@ pub trait Drive: Send {
 
 /// Runs `world` under `drive` until `until_s`, and gives the log with its truth.
 pub fn run(world: &mut dyn World, drive: &mut dyn Drive, until_s: f64) -> Dataset {
+    let record = record(world, drive, until_s);
+    dataset(world, record)
+}
+
+/// Runs `world` under `drive` until `until_s`.
+pub fn record(world: &mut dyn World, drive: &mut dyn Drive, until_s: f64) -> Record {
     let mut record = Record::default();
     while world.t_s() < until_s {
         let t_s = world.t_s();
@@ -64,11 +74,20 @@ pub fn run(world: &mut dyn World, drive: &mut dyn Drive, until_s: f64) -> Datase
         }
         world.tick(action, &mut record);
     }
-    let Record { seen, track } = record;
+    record
+}
+
+/// A record of `world` as a log with its truth.
+#[must_use]
+pub fn dataset(world: &dyn World, record: Record) -> Dataset {
+    let Record { seen, track, .. } = record;
+    let known = world.known();
+    // A car looks for no landmarks, so that there is none that it could have missed.
+    let frames = (known.robot != "car").then(|| Channel::from(seen.frames));
     let log = Log {
-        known: world.known().into(),
+        known: known.into(),
         commands: seen.commands.into(),
-        frames: Some(Channel::from(seen.frames)),
+        frames,
         sightings: seen.sightings.into(),
         odometry: seen.odometry.into(),
         firings: None,

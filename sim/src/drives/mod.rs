@@ -1,5 +1,6 @@
 //! Policies: what the robot is commanded, chosen from the logged past.
 
+pub mod driver;
 pub mod explore;
 pub mod hold;
 pub mod pace;

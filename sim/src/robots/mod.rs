@@ -1,4 +1,5 @@
 //! Robots, one folder each.
 
 pub mod aibo;
+pub mod car;
 pub mod plain;

@@ -18,7 +18,7 @@ use super::servo::SetPoints;
 use super::watch::{Contacts, Watch, outline};
 use crate::effect::{CommandStage, JointStage, SightingStage, Stage};
 use crate::effects::Effects;
-use crate::knobs::{CommandKnobs, GroundKnobs, Knobs};
+use crate::knobs::{CommandKnobs, GroundKnobs, Knobs, VehicleKnobs};
 use crate::scenes::field::Field;
 use crate::sensors::camera::CameraConfig;
 use crate::sensors::image::Image;
@@ -86,6 +86,7 @@ impl AiboWorld {
             nominal: Knobs {
                 command: CommandKnobs { scale: [1.0; 3] },
                 ground: GroundKnobs { friction: config.physics.friction },
+                vehicle: VehicleKnobs::default(),
             },
             eye: Eye::new(camera, &config.head, &blueprint, field, config.physics.time_step_s, seed),
             known: known(config, camera, field),

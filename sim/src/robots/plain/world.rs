@@ -11,7 +11,7 @@ use super::velocities::{Velocities, Velocity};
 use crate::drives::suite::Suite;
 use crate::effect::{CommandStage, SightingStage, Stage};
 use crate::effects::Effects;
-use crate::knobs::{CommandKnobs, GroundKnobs, Knobs};
+use crate::knobs::{CommandKnobs, GroundKnobs, Knobs, VehicleKnobs};
 use crate::scenes::field::{Field, Landmark};
 use crate::survey::Surveying;
 use crate::world::{Record, World};
@@ -107,7 +107,11 @@ impl PlainWorld {
 
     /// The knobs as the effects turn them.
     fn knobs(&self, t_s: f64) -> Knobs {
-        let mut knobs = Knobs { command: CommandKnobs { scale: [1.0; 3] }, ground: GroundKnobs { friction: 1.0 } };
+        let mut knobs = Knobs {
+            command: CommandKnobs { scale: [1.0; 3] },
+            ground: GroundKnobs { friction: 1.0 },
+            vehicle: VehicleKnobs::default(),
+        };
         for effect in self.effects.iter() {
             effect.tune(t_s, &mut knobs);
         }

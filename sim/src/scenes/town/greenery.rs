@@ -48,7 +48,7 @@ impl Tree {
         mesh.object();
         let middle = [0.2 * sin(self.lean), 0.2 * sin(2.0 * self.lean), self.height_m - 0.7 * self.crown_m];
         let rough = (6.0 + self.lean, 0.12);
-        let grain = if detail > 0.0 { [3 + (6.0 * detail) as usize, 6 + (8.0 * detail) as usize] } else { [2, 4] };
+        let grain = if detail > 0.0 { [3 + (5.0 * detail) as usize, 6 + (6.0 * detail) as usize] } else { [2, 4] };
         blob(mesh, place, middle, [self.crown_m, self.crown_m, 1.15 * self.crown_m], rough, grain);
     }
 }

@@ -25,7 +25,7 @@ asami_dataset::parameters! {
     /// How a town is built.
     pub struct TownConfig {
         /// Mean distance from junction to junction.
-        street_length_m: f64 = 105.0, "m", 70.0..=200.0;
+        street_length_m: f64 = 112.0, "m", 70.0..=200.0;
         /// How much single distances differ from it.
         street_length_spread_m: f64 = 6.0, "m", 0.0..=15.0;
         /// From kerb to kerb.
@@ -142,7 +142,7 @@ impl Town {
             .collect();
 
         let mut mesh = Mesh::default();
-        let spacing_m = 10.0 / (1.0 + 8.0 * config.detail.sqrt());
+        let spacing_m = 10.0 / (1.0 + 7.0 * config.detail.sqrt());
         mesh.object();
         for block in &blocks {
             terrain.cell(&mut mesh, block.cell, &block.driveways, spacing_m, config.detail);
