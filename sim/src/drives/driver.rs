@@ -16,19 +16,19 @@ asami_dataset::parameters! {
     /// How a person drives.
     pub struct Driving {
         /// Speed along free streets.
-        cruise_m_per_s: f64 = 5.45, "m/s", 1.0..=15.0;
+        cruise_m_per_s: f64 = 5.4, "m/s", 1.0..=15.0;
         /// Standard deviation of its moods.
         cruise_sd_m_per_s: f64 = 0.35, "m/s", 0.0..=3.0;
         /// How long a mood lasts.
         mood_s: f64 = 12.0, "s", 0.5..=100.0;
         /// Yaw rate that feels right in a corner.
-        corner_yaw_rad_per_s: f64 = 0.148, "rad/s", 0.05..=1.0;
+        corner_yaw_rad_per_s: f64 = 0.175, "rad/s", 0.05..=1.0;
         /// Acceleration when pulling away.
-        acceleration_m_per_s2: f64 = 2.3, "m/s^2", 0.3..=5.0;
+        acceleration_m_per_s2: f64 = 2.1, "m/s^2", 0.3..=5.0;
         /// Deceleration at which braking from the usual speed begins.
-        braking_m_per_s2: f64 = 2.8, "m/s^2", 0.3..=8.0;
+        braking_m_per_s2: f64 = 2.75, "m/s^2", 0.3..=8.0;
         /// Share of it that is left when the car comes to a stop.
-        easing: f64 = 0.35, "1", 0.05..=1.0;
+        easing: f64 = 0.3, "1", 0.05..=1.0;
         /// Relative standard deviation of both from stop to stop.
         vigour_sd: f64 = 0.07, "1", 0.0..=0.5;
         /// Least and most time stood at a stop line.
@@ -82,9 +82,9 @@ pub struct Feel {
 impl Default for Feel {
     fn default() -> Self {
         Self {
-            throttle_s2_per_m: 0.115,
+            throttle_s2_per_m: 0.09,
             holding_s_per_m: 0.012,
-            creeping_s_per_m: 0.035,
+            creeping_s_per_m: 0.02,
             creep_m_per_s: 2.0,
             brake_s2_per_m: 0.107,
             late_s: 0.2,
@@ -225,6 +225,10 @@ impl Driver {
             Mind::Going if needed > 1.0 && to_stop_m < 30.0 => self.mind = Mind::Stopping,
             Mind::Going => {}
             Mind::Stopping => {
+                if speed_m_per_s < 0.08 && to_stop_m > 3.0 {
+                    self.mind = Mind::Going;
+                    return Some(0.3);
+                }
                 if speed_m_per_s < 0.08 {
                     self.next_stop += 1;
                     self.wait(t_s);
@@ -234,6 +238,7 @@ impl Driver {
                 return Some(-needed.clamp(0.7, 1.15) * (p + q * speed_m_per_s) * eased);
             }
         }
+        let eager = self.config.acceleration_m_per_s2 * eager;
         let mut wanted = cruise + self.config.cruise_sd_m_per_s * mood.clamp(-1.5, 1.5);
         for step in 0..=24 {
             let ahead_m = f64::from(step);
@@ -244,7 +249,6 @@ impl Driver {
                 break;
             }
         }
-        let eager = self.config.acceleration_m_per_s2 * eager;
         Some((1.1 * (wanted - speed_m_per_s)).clamp(-usual, eager))
     }
 

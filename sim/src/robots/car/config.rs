@@ -69,19 +69,19 @@ asami_dataset::parameters! {
         /// Torque at full load (230 lb.ft at 3000 rpm are 312 N.m).
         full_torque_n_m: f64 = 300.0, "N.m", 50.0..=1000.0;
         /// Speed up to which a fully open throttle lets the engine breathe freely.
-        full_breath_rad_per_s: f64 = 420.0, "rad/s", 50.0..=1000.0;
+        full_breath_rad_per_s: f64 = 850.0, "rad/s", 50.0..=3000.0;
         /// Friction and pumps.
-        drag_n_m: f64 = 22.0, "N.m", 0.0..=100.0;
+        drag_n_m: f64 = 48.0, "N.m", 0.0..=100.0;
         /// Friction that grows with speed.
         drag_n_m_s_per_rad: f64 = 0.09, "N.m.s/rad", 0.0..=1.0;
         /// Idle speed held by its governor.
-        idle_rad_per_s: f64 = 68.0, "rad/s", 40.0..=150.0;
+        idle_rad_per_s: f64 = 62.0, "rad/s", 40.0..=150.0;
         /// Of crankshaft and impeller.
         inertia_kg_m2: f64 = 0.25, "kg.m^2", 0.02..=2.0;
         /// Torque of the impeller for each (rad/s)^2 of its speed, while it slips.
-        converter_n_m_s2: f64 = 0.0052, "N.m.s^2", 0.0005..=0.05;
+        converter_n_m_s2: f64 = 0.0050, "N.m.s^2", 0.0005..=0.05;
         /// Factor on torque of the stalled converter.
-        stall_ratio: f64 = 1.9, "1", 1.0..=3.0;
+        stall_ratio: f64 = 1.4, "1", 1.0..=3.0;
         /// First gear.
         first_ratio: f64 = 2.86, "1", 1.0..=6.0;
         /// Second gear; higher ones are beyond town speeds.
@@ -89,11 +89,11 @@ asami_dataset::parameters! {
         /// Axles' ratio.
         final_ratio: f64 = 4.3, "1", 1.0..=8.0;
         /// Speed at which it changes up with a closed throttle.
-        shift_up_m_per_s: f64 = 3.6, "m/s", 0.5..=20.0;
+        shift_up_m_per_s: f64 = 6.0, "m/s", 0.5..=20.0;
         /// How much later with an open one.
         shift_up_throttle_m_per_s: f64 = 9.0, "m/s", 0.0..=50.0;
         /// Speed at which it changes down.
-        shift_down_m_per_s: f64 = 2.2, "m/s", 0.1..=20.0;
+        shift_down_m_per_s: f64 = 4.0, "m/s", 0.1..=20.0;
         /// Time constant of a change.
         shift_lag_s: f64 = 0.25, "s", 0.01..=2.0;
         /// Share of power that reaches the wheels.

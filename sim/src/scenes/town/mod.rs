@@ -31,7 +31,7 @@ asami_dataset::parameters! {
         /// From kerb to kerb.
         street_width_m: f64 = 8.4, "m", 6.5..=14.0;
         /// Radius of the kerbs at corners.
-        corner_radius_m: f64 = 10.5, "m", 5.0..=15.0;
+        corner_radius_m: f64 = 14.0, "m", 5.0..=15.0;
         /// The route runs this far to the right of the centre line.
         lane_m: f64 = 0.9, "m", 0.0..=3.0;
         /// Kerbs above the gutter.
