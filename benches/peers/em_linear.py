@@ -41,7 +41,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 STATES, OBSERVED = 3, 4
 LEARNERS = ["em_published", "em_rts", "em_exact"]
 # Iterations of a short and of a long run.
-ASAMI, PYKALMAN, DYNAMAX = (5, 105), (1, 2), (2, 12)
+ASAMI, PYKALMAN, DYNAMAX = (25, 125), (1, 2), (2, 12)
 
 # One thread, on the processor.
 os.environ["JAX_PLATFORMS"] = "cpu"
