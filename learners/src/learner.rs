@@ -137,6 +137,34 @@ pub enum Lack {
         /// Its id.
         landmark: u16,
     },
+    /// Nothing was fired: the lasers' angles are not learned.
+    #[error("the log has no laser firings: no laser's angle is learned")]
+    NoFirings,
+    /// Some adjacent lasers see nothing alike.
+    #[error("lasers {pairs:?} see too little alike: the angle between them is a guess")]
+    LostPairs {
+        /// Their numbers, from 0 in order of vertical angle.
+        pairs: Vec<(usize, usize)>,
+    },
+    /// Some scans could not be matched, or there are fewer than two.
+    #[error("{unmatched} pairs of {scans} scans have too few points in common: no motion is known between them")]
+    UnmatchedScans {
+        /// Pairs that could not be matched.
+        unmatched: usize,
+        /// Full turns of the scanner.
+        scans: usize,
+    },
+    /// The car was never seen to move fast enough.
+    #[error(
+        "the car never moves fast enough to tell which way is forward: the lasers' common angle is taken as 90 degrees"
+    )]
+    NoForward,
+    /// Pedals and motions do not determine the action model.
+    #[error("{found} commands of throttle, brake and steering do not determine the car's action model")]
+    Pedals {
+        /// Commands of pedals found.
+        found: usize,
+    },
 }
 
 /// What kept a learner from learning at all.
@@ -180,6 +208,20 @@ pub enum CannotLearn {
     /// The method needs a model that was not given.
     #[error("this method must be given {0}")]
     NotGiven(&'static str),
+    /// No laser was ever fired.
+    #[error("the log has no laser firings, and no odometry in their place")]
+    NoFirings,
+    /// Laser firings that contradict each other.
+    #[error("the log's laser firings do not fit together: {0}")]
+    Firings(#[from] asami_dataset::firings::Misfit),
+    /// The lasers' vertical angles are not known.
+    #[error("the log knows the vertical angles of {known} lasers; {found} fired")]
+    UnknownLasers {
+        /// Lasers that fired.
+        found: usize,
+        /// Vertical angles known.
+        known: usize,
+    },
     /// The data leave the models undetermined.
     #[error("the log does not determine the models: {0}")]
     Undetermined(String),

@@ -8,6 +8,7 @@ pub mod algorithm1;
 mod augmented;
 pub mod batch;
 pub mod canonical;
+pub mod car_published;
 pub mod degree_selection;
 pub mod dual_ekf;
 pub mod em;
@@ -23,6 +24,7 @@ pub mod em_shared;
 pub mod em_squarem;
 pub mod joint_ekf;
 pub mod learner;
+pub mod lidar;
 pub mod likelihood;
 pub mod line;
 pub mod plane;
@@ -127,4 +129,5 @@ learners! {
     batch => Batch,
     joint_ekf => JointEkf,
     dual_ekf => DualEkf,
+    car_published => CarPublished,
 }

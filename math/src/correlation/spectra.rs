@@ -141,9 +141,10 @@ impl Transform {
             input.fill(0.0);
         }
         let end = span.end.min(signal.len());
-        for i in span.start.min(end)..end {
-            if signal[i] != ABSENT {
-                let (k, x) = ((i as isize - origin) as usize, f64::from(signal[i]) - mean);
+        let start = span.start.min(end);
+        for (i, &v) in signal[start..end].iter().enumerate() {
+            if v != ABSENT {
+                let (k, x) = (((start + i) as isize - origin) as usize, f64::from(v) - mean);
                 (mask[k], value[k], square[k]) = (1.0, x, x * x);
             }
         }

@@ -1,0 +1,150 @@
+//! How the car moved from scan to scan (section 5.2).
+
+use asami_math::rigid::{Rigid, rotate};
+
+use super::cloud::{Cut, cloud};
+use super::drive::{Drive, Scan};
+use super::matching::{Match, Matching, Target, align};
+
+/// A motion from the beginning of one scan to that of the next, in the frame of the lasers' relative angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// When the earlier scan begins.
+    pub t_s: f64,
+    /// How much later the later one does.
+    pub dt_s: f64,
+    /// Where the later scan was taken, seen from the earlier.
+    pub later_from_earlier: Rigid,
+    /// How the scans were matched.
+    pub matched: Match,
+}
+
+impl Motion {
+    /// The shift turned by minus half the turn: as the average direction over the step sees it (section 5.2).
+    #[must_use]
+    pub fn shift_m(&self) -> [f64; 2] {
+        let motion = &self.later_from_earlier;
+        rotate(-motion.turn_rad / 2.0, [motion.x, motion.y])
+    }
+
+    /// Mean speed.
+    #[must_use]
+    pub fn speed_m_per_s(&self) -> f64 {
+        let [x, y] = self.shift_m();
+        (x * x + y * y).sqrt() / self.dt_s
+    }
+
+    /// Mean speed along a direction of the frame.
+    #[must_use]
+    pub fn along(&self, direction_rad: f64) -> f64 {
+        rotate(-direction_rad, self.shift_m())[0] / self.dt_s
+    }
+
+    /// Mean turning rate.
+    #[must_use]
+    pub fn turning_rad_per_s(&self) -> f64 {
+        self.later_from_earlier.turn_rad / self.dt_s
+    }
+}
+
+/// Scans, matched one to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Odometry<'a> {
+    /// The log.
+    pub drive: &'a Drive<'a>,
+    /// The scans.
+    pub scans: &'a [Scan],
+    /// Relative angles of the lasers.
+    pub angles_rad: &'a [f64],
+    /// Which points count.
+    pub cut: Cut,
+    /// How clouds are matched.
+    pub matching: Matching,
+}
+
+impl Odometry<'_> {
+    /// As published: each pair by itself, from the start given for it or else from no motion; D1 is the smaller scan.
+    #[must_use]
+    pub fn apart(&self, starts: &[Rigid]) -> Vec<Option<Motion>> {
+        let pair = |i: usize| {
+            let clouds = [i, i + 1].map(|k| cloud(self.drive, &self.scans[k], self.angles_rad, &self.cut, None));
+            let start = starts.get(i).copied().unwrap_or_default();
+            let (earlier, later) = (&clouds[0], &clouds[1]);
+            let matched = if earlier.len() < later.len() {
+                // D1 came first: its points go to where the later scan sees them, and the motion is the inverse.
+                let found = align(earlier, &Target::new(later, &self.matching), start.inverse(), &self.matching)?;
+                Match { motion: found.motion.inverse(), ..found }
+            } else {
+                align(later, &Target::new(earlier, &self.matching), start, &self.matching)?
+            };
+            Some(self.motion(i, matched))
+        };
+        (0..self.scans.len().saturating_sub(1)).map(pair).collect()
+    }
+
+    /// Each pair from the motion of the one before it, points set back to where the car stood when its scan began. Twice over:
+    /// only after the first pass is it known how fast the car was at each scan.
+    #[must_use]
+    pub fn in_motion(&self) -> Vec<Option<Motion>> {
+        let first = self.first_pass();
+        let rate_of = |i: Option<usize>| i.and_then(|i| first.get(i).copied().flatten()).map(|motion| rate(&motion));
+        let rates: Vec<Option<Rigid>> = (0..self.scans.len())
+            .map(|k| match (rate_of(k.checked_sub(1)), rate_of(Some(k))) {
+                (Some(a), Some(b)) => Some(blend(&a, &b)),
+                (a, b) => a.or(b),
+            })
+            .collect();
+        let steady = |k: usize| self.steady(k, rates[k]);
+        let pair = |i: usize| {
+            let start = first[i]?.later_from_earlier;
+            let target = Target::new(&steady(i), &self.matching);
+            Some(self.motion(i, align(&steady(i + 1), &target, start, &self.matching)?))
+        };
+        (0..self.scans.len().saturating_sub(1)).map(pair).collect()
+    }
+
+    fn first_pass(&self) -> Vec<Option<Motion>> {
+        let mut speed: Option<Rigid> = None;
+        (0..self.scans.len().saturating_sub(1))
+            .map(|i| {
+                let target = Target::new(&self.steady(i, speed), &self.matching);
+                let dt_s = self.scans[i + 1].t_s - self.scans[i].t_s;
+                let start = speed.map_or(Rigid::default(), |speed| scaled(&speed, dt_s));
+                let found = align(&self.steady(i + 1, speed), &target, start, &self.matching);
+                let motion = found.map(|matched| self.motion(i, matched));
+                speed = motion.as_ref().map(rate);
+                motion
+            })
+            .collect()
+    }
+
+    /// A scan's points, the car's own motion at `speed` (per second) taken out.
+    fn steady(&self, k: usize, speed: Option<Rigid>) -> Vec<[f64; 2]> {
+        let scan = &self.scans[k];
+        let times = &self.drive.firings.t_s;
+        let lasts_s = times[scan.end - 1] - times[scan.first];
+        let motion = speed.map(|speed| (scaled(&speed, lasts_s), (scan.end - scan.first - 1).max(1) as f64));
+        cloud(self.drive, scan, self.angles_rad, &self.cut, motion)
+    }
+
+    fn motion(&self, i: usize, matched: Match) -> Motion {
+        let (t_s, next_s) = (self.scans[i].t_s, self.scans[i + 1].t_s);
+        Motion { t_s, dt_s: next_s - t_s, later_from_earlier: matched.motion, matched }
+    }
+}
+
+/// Per second, along the chord turned back by half the turn.
+fn rate(motion: &Motion) -> Rigid {
+    let [x, y] = motion.shift_m();
+    Rigid { turn_rad: motion.turning_rad_per_s(), x: x / motion.dt_s, y: y / motion.dt_s }
+}
+
+fn scaled(speed: &Rigid, dt_s: f64) -> Rigid {
+    let turn_rad = speed.turn_rad * dt_s;
+    let [x, y] = rotate(turn_rad / 2.0, [speed.x * dt_s, speed.y * dt_s]);
+    Rigid { turn_rad, x, y }
+}
+
+fn blend(a: &Rigid, b: &Rigid) -> Rigid {
+    Rigid { turn_rad: (a.turn_rad + b.turn_rad) / 2.0, x: (a.x + b.x) / 2.0, y: (a.y + b.y) / 2.0 }
+}

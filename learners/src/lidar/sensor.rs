@@ -1,0 +1,130 @@
+//! The lasers' relative angles, out of what they see alone (section 5.1).
+
+use std::f64::consts::TAU;
+
+use asami_math::correlation::ABSENT;
+
+use super::angles::{Angles, chain, graph};
+use super::drive::Drive;
+use super::offsets::{Offsets, from_slopes, slopes};
+use super::pairs::{PairLag, pair_lags, pairs};
+use super::signal::Shaping;
+use crate::learner::CannotLearn;
+
+/// How the relative angles are learned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensor {
+    /// What is correlated.
+    pub shaping: Shaping,
+    /// Lags up to this angle to both sides are tried.
+    pub most_lag_rad: f64,
+    /// Lags at which fewer than this share of the most firings overlap are passed over.
+    pub least_share: f64,
+    /// Whether a parabola through the peak finds it between the steps of the firings.
+    pub sub_step: bool,
+    /// How lags become angles.
+    pub layout: Layout,
+    /// What is taken for known of the lasers' offsets off the axis.
+    pub offsets: Offsets,
+    /// Of a longer drive, blocks of turns spread evenly over it are used, as many turns in all as this; 0: all of it.
+    pub most_turns: usize,
+}
+
+/// Turns of a block.
+const BLOCK: usize = 4;
+
+/// How far apart lasers are whose lags tell their offsets.
+const OFFSET_REACH: usize = 3;
+
+/// How the lags of pairs become angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Layout {
+    /// Differences of adjacent lasers, added up.
+    Chain,
+    /// Least squares over all pairs up to `reach` lasers apart, with robust weights.
+    Graph {
+        /// How far apart.
+        reach: usize,
+        /// Residual of a pair that counts a quarter.
+        scale_rad: f64,
+    },
+}
+
+impl Sensor {
+    /// Section 5.1: adjacent lasers over a half turn to both sides, the range itself, to a step of the firings, added up.
+    #[must_use]
+    pub fn published() -> Self {
+        Self {
+            shaping: Shaping::published(),
+            most_lag_rad: std::f64::consts::PI,
+            least_share: 0.1,
+            sub_step: false,
+            layout: Layout::Chain,
+            offsets: Offsets::None,
+            most_turns: 0,
+        }
+    }
+
+    /// The angles, their mean 0.
+    ///
+    /// # Errors
+    /// [`CannotLearn::Undetermined`] where the pairs' lags do not hold all lasers together.
+    pub fn learn(&self, drive: &Drive<'_>) -> Result<Angles, CannotLearn> {
+        let angles = self.solve(drive, &self.signals(drive, &self.shaping, &[]))?;
+        if self.offsets == Offsets::None {
+            return Ok(angles);
+        }
+        let slopes = slopes(self, drive, &angles.angle_rad, OFFSET_REACH);
+        let offsets_m = from_slopes(drive.lasers(), &slopes, self.offsets);
+        self.with_offsets(drive, &offsets_m)
+    }
+
+    /// The angles, their mean 0, where each laser sits so far to the counter-clockwise side of its ray (0 where none is given).
+    ///
+    /// # Errors
+    /// As [`Sensor::learn`].
+    pub fn with_offsets(&self, drive: &Drive<'_>, offsets_m: &[f64]) -> Result<Angles, CannotLearn> {
+        self.solve(drive, &self.signals(drive, &self.shaping, offsets_m))
+    }
+
+    /// The signal of each laser; lateral offsets are 0 where none are given.
+    pub(super) fn signals(&self, drive: &Drive<'_>, shaping: &Shaping, offsets_m: &[f64]) -> Vec<Vec<i16>> {
+        let offset_m = |laser: usize| offsets_m.get(laser).copied().unwrap_or(0.0);
+        let signal = |laser: usize| self.sampled(drive, &shaping.of(drive, laser, offset_m(laser)), ABSENT);
+        (0..drive.lasers()).map(signal).collect()
+    }
+
+    /// The blocks of a column that are used, one after another, lags' lengths of `absent` between them.
+    pub(super) fn sampled<T: Copy>(&self, drive: &Drive<'_>, column: &[T], absent: T) -> Vec<T> {
+        let turn = drive.firings_in(TAU).max(1);
+        let (block, blocks) = (BLOCK * turn, self.most_turns.div_ceil(BLOCK));
+        if self.most_turns == 0 || blocks * block >= column.len() {
+            return column.to_vec();
+        }
+        let gap = drive.firings_in(self.most_lag_rad);
+        let mut used = Vec::with_capacity(blocks * (block + gap));
+        for i in 0..blocks {
+            let first = (column.len() - block) * i / (blocks - 1).max(1);
+            used.extend_from_slice(&column[first..first + block]);
+            used.resize(used.len() + gap, absent);
+        }
+        used
+    }
+
+    pub(super) fn solve(&self, drive: &Drive<'_>, signals: &[Vec<i16>]) -> Result<Angles, CannotLearn> {
+        let reach = match self.layout {
+            Layout::Chain => 1,
+            Layout::Graph { reach, .. } => reach,
+        };
+        let lags = pair_lags(drive, signals, &pairs(drive.lasers(), reach), self.most_lag_rad, self.least_share);
+        match self.layout {
+            Layout::Chain => {
+                let angle = |lag: &PairLag| if self.sub_step { lag.angle_rad } else { lag.step_angle_rad };
+                Ok(chain(&lags.iter().map(|lag| lag.as_ref().map(angle)).collect::<Vec<_>>(), drive.step_rad))
+            }
+            Layout::Graph { scale_rad, .. } => graph(drive.lasers(), &lags, scale_rad).ok_or_else(|| {
+                CannotLearn::Undetermined("the lasers' ranges do not vary together enough to hold their angles".into())
+            }),
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! The parts of the method, each against its definition.
+
+use asami_dataset::Seed;
+use asami_learners::lidar::{
+    Angles, Distance, Matching, PairLag, Stretch, Target, align, chain, graph, pairs, regress, roll_out,
+};
+use asami_math::correlation::Peak;
+use asami_math::rigid::Rigid;
+use proptest::prelude::*;
+use rand::RngExt;
+
+/// Corners of rooms: walls along and across, and some poles.
+fn cloud(seed: u64) -> Vec<[f64; 2]> {
+    let mut rng = Seed(seed).stream("test");
+    let mut points = Vec::new();
+    for _ in 0..14 {
+        let (x, y, length) =
+            (60.0 * (rng.random::<f64>() - 0.5), 60.0 * (rng.random::<f64>() - 0.5), 3.0 + 9.0 * rng.random::<f64>());
+        let along = rng.random::<f64>() < 0.5;
+        points.extend((0..(length / 0.1) as usize).map(|i| {
+            let s = 0.1 * i as f64;
+            if along { [x + s, y] } else { [x, y + s] }
+        }));
+    }
+    points
+}
+
+#[test]
+fn a_moved_cloud_is_moved_back() {
+    let points = cloud(1000);
+    let truth = Rigid { turn_rad: 0.02, x: 0.35, y: -0.2 };
+    let seen: Vec<[f64; 2]> = points.iter().map(|p| truth.inverse().apply(*p)).collect();
+    // Points lie 0.1 m apart along the walls: point to point, half of that holds a wall lengthwise.
+    let lines = Matching { distance: Distance::Lines { scale_m: 0.3 }, shrink: 3.0, ..Matching::published() };
+    for (matching, within) in
+        [(lines, 1e-6), (Matching { tolerance_m: 1e-9, shrink: 2.0, ..Matching::published() }, 0.05)]
+    {
+        let found = align(&seen, &Target::new(&points, &matching), Rigid::default(), &matching).unwrap();
+        let error = found.motion.after(&truth.inverse());
+        assert!(
+            error.x.abs() < within && error.y.abs() < within && error.turn_rad.abs() < within,
+            "{matching:?}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn clouds_without_points_in_common_do_not_match() {
+    let matching = Matching::published();
+    let points = cloud(1001);
+    let far: Vec<[f64; 2]> = points.iter().map(|[x, y]| [x + 500.0, *y]).collect();
+    assert!(align(&far, &Target::new(&points, &matching), Rigid::default(), &matching).is_none());
+    assert!(align(&[], &Target::new(&points, &matching), Rigid::default(), &matching).is_none());
+    assert!(align(&points, &Target::new(&[], &matching), Rigid::default(), &matching).is_none());
+    // All points in one place: nothing holds the turn.
+    assert!(align(&[[0.0; 2]; 50], &Target::new(&[[0.0; 2]; 50], &matching), Rigid::default(), &matching).is_none());
+}
+
+fn lag(a: usize, b: usize, angle_rad: f64) -> Option<PairLag> {
+    let peak = Peak { lag: 0, coefficient: 0.9, sub_step: 0.0, curvature: 0.1, second: 0.2 };
+    Some(PairLag { a, b, step_angle_rad: angle_rad, angle_rad, peak })
+}
+
+proptest! {
+    #[test]
+    fn chain_and_graph_undo_differences_and_the_graph_bears_wrong_pairs(
+        truth in proptest::collection::vec(-0.2..0.2f64, 12), wrong in proptest::collection::vec((0..11usize, 0.1..0.4f64), 0..3),
+    ) {
+        let mean = truth.iter().sum::<f64>() / 12.0;
+        let differences: Vec<Option<f64>> = truth.windows(2).map(|w| Some(w[1] - w[0])).collect();
+        let near = |found: &Angles, within: f64| found.angle_rad.iter().zip(&truth).all(|(a, b)| (a - (b - mean)).abs() < within);
+        prop_assert!(near(&chain(&differences, 0.008), 1e-12));
+        let mut lags: Vec<Option<PairLag>> = pairs(12, 4).iter().map(|&(a, b)| lag(a, b, truth[b] - truth[a])).collect();
+        prop_assert!(near(&graph(12, &lags, 0.005).unwrap(), 1e-9));
+        // Adjacent pairs only: the others hold the lasers.
+        let adjacent: Vec<usize> = (0..lags.len()).filter(|i| lags[*i].is_some_and(|lag| lag.b - lag.a == 1)).collect();
+        for (pair, by) in wrong {
+            if let Some(lag) = &mut lags[adjacent[pair]] {
+                lag.angle_rad += by;
+            }
+        }
+        prop_assert!(near(&graph(12, &lags, 0.005).unwrap(), 2e-3));
+    }
+}
+
+#[test]
+fn a_laser_that_no_pair_holds_leaves_the_graph_open() {
+    let lags: Vec<Option<PairLag>> =
+        pairs(5, 2).iter().map(|&(a, b)| if b == 4 { None } else { lag(a, b, 0.1) }).collect();
+    assert!(graph(5, &lags, 0.01).is_none());
+}
+
+#[test]
+fn errors_of_a_chain_grow_from_the_middle() {
+    // Monte Carlo: differences rounded to a step.
+    let (mut rng, lasers, step) = (Seed(1002).stream("test"), 20, 0.008);
+    let mut squares = vec![0.0; lasers];
+    let mut stated = Vec::new();
+    for _ in 0..4000 {
+        let differences: Vec<Option<f64>> = (1..lasers).map(|_| Some(step * (rng.random::<f64>() - 0.5))).collect();
+        let found = chain(&differences, step);
+        squares.iter_mut().zip(&found.angle_rad).for_each(|(sum, a)| *sum += a * a / 4000.0);
+        stated = found.se_rad;
+    }
+    for (square, se) in squares.iter().zip(&stated) {
+        // A standard deviation out of 4000 draws: five of its own.
+        assert!((square.sqrt() / se - 1.0).abs() < 5.0 / 8000f64.sqrt(), "{} and {se}", square.sqrt());
+    }
+}
+
+#[test]
+fn stretches_made_by_the_model_give_the_model() {
+    let c = [0.2, 4.0, -0.3, -0.6, 0.001, 0.09];
+    let mut rng = Seed(1003).stream("test");
+    let mut v = 3.0;
+    let stretches: Vec<Stretch> = (0..60)
+        .map(|i| {
+            let pedals = [rng.random::<f64>(), rng.random::<f64>(), rng.random::<f64>() - 0.5];
+            let omega_rad_per_s = c[4] * v + c[5] * v * pedals[2];
+            let now = Stretch { t_s: 0.5 * f64::from(i), dt_s: 0.5, v_m_per_s: v, omega_rad_per_s, pedals };
+            v += 0.5 * (c[0] + c[1] * pedals[0] + c[2] * v + c[3] * v * pedals[1]);
+            now
+        })
+        .collect();
+    let found = regress(&stretches).unwrap();
+    assert!(found.c.iter().zip(c).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
+    // Eq. 5.5 from the first speed on.
+    assert!(roll_out(&found, &stretches).iter().zip(&stretches).all(|(v, s)| (v - s.v_m_per_s).abs() < 1e-7));
+    // A gap: the stretch after it does not follow, and is no acceleration.
+    let broken: Vec<Stretch> = stretches.iter().enumerate().filter(|(i, _)| *i != 30).map(|(_, s)| *s).collect();
+    assert!(regress(&broken).unwrap().c.iter().zip(c).all(|(a, b)| (a - b).abs() < 1e-9));
+}

@@ -1,0 +1,6 @@
+//! The learners of chapter 5 on drives whose truth is known.
+
+mod conformance;
+mod kernels;
+mod published;
+mod synthetic;
