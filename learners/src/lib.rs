@@ -8,7 +8,11 @@ pub mod algorithm1;
 mod augmented;
 pub mod batch;
 pub mod canonical;
+pub mod car_alternating;
+pub mod car_graph;
+pub mod car_lines;
 pub mod car_published;
+pub mod car_sides;
 pub mod degree_selection;
 pub mod dual_ekf;
 pub mod em;
@@ -130,4 +134,8 @@ learners! {
     joint_ekf => JointEkf,
     dual_ekf => DualEkf,
     car_published => CarPublished,
+    car_graph => CarGraph,
+    car_lines => CarLines,
+    car_alternating => CarAlternating,
+    car_sides => CarSides,
 }

@@ -38,6 +38,12 @@ impl Matching {
     pub fn published() -> Self {
         Self { distance: Distance::Points, gate_m: 7.0, shrink: f64::INFINITY, tolerance_m: 1e-4, max_passes: 100 }
     }
+
+    /// Point to line, the gate shrinking from 7 m to three root-mean-square distances.
+    #[must_use]
+    pub fn lines(scale_m: f64) -> Self {
+        Self { distance: Distance::Lines { scale_m }, shrink: 3.0, max_passes: 60, ..Self::published() }
+    }
 }
 
 /// A cloud that others are matched to.

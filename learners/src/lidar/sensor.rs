@@ -8,7 +8,7 @@ use super::angles::{Angles, chain, graph};
 use super::drive::Drive;
 use super::offsets::{Offsets, from_slopes, slopes};
 use super::pairs::{PairLag, pair_lags, pairs};
-use super::signal::Shaping;
+use super::signal::{Shaping, Signal};
 use crate::learner::CannotLearn;
 
 /// How the relative angles are learned.
@@ -63,6 +63,31 @@ impl Sensor {
             offsets: Offsets::None,
             most_turns: 0,
         }
+    }
+
+    /// High-passed logarithms of ranges, lags between the steps of the firings, and pairs up to six lasers apart in place of the chain.
+    #[must_use]
+    pub fn graph(most_lag_deg: f64, high_pass_deg: f64, near_m: f64) -> Self {
+        Self {
+            shaping: Shaping {
+                signal: Signal::LogRange,
+                high_pass_rad: high_pass_deg.to_radians(),
+                clip_nat: 0.5,
+                near_m,
+                window_m: None,
+            },
+            most_lag_rad: most_lag_deg.to_radians(),
+            sub_step: true,
+            ..Self::published()
+        }
+        .over(6, 0.1, 0)
+    }
+
+    /// With pairs up to `reach` lasers apart, a residual of `scale_deg` counting a quarter, out of `most_turns` turns (0: all).
+    #[must_use]
+    pub fn over(self, reach: u32, scale_deg: f64, most_turns: u32) -> Self {
+        let layout = Layout::Graph { reach: reach as usize, scale_rad: scale_deg.to_radians() };
+        Self { layout, most_turns: most_turns as usize, ..self }
     }
 
     /// The angles, their mean 0.

@@ -4,3 +4,4 @@ mod conformance;
 mod kernels;
 mod published;
 mod synthetic;
+mod variants;

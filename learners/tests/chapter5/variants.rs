@@ -1,0 +1,49 @@
+//! What each variant is for, on drives that differ from the published method's assumptions in that.
+
+use asami_dataset::SensorModel;
+use asami_learners::lidar::{Drive, Offsets, Sensor, from_slopes, slopes};
+
+use crate::synthetic::{Driven, Ride, learn};
+
+/// Errors of the learned angles, the common one removed, and their standard errors; degrees.
+fn errors(name: &str, driven: &Driven) -> (Vec<f64>, Vec<f64>) {
+    let learned = learn(name, &driven.log).unwrap();
+    let Some(SensorModel::Angles { horizontal_angles_rad, se_rad }) = learned.models.sensor else { panic!() };
+    let off: Vec<f64> =
+        horizontal_angles_rad.iter().zip(&driven.angles_rad).map(|(a, b)| (a - b).to_degrees()).collect();
+    let mean = off.iter().sum::<f64>() / off.len() as f64;
+    (off.iter().map(|e| e - mean).collect(), se_rad.iter().map(|se| se.to_degrees()).collect())
+}
+
+fn rms(errors: &[f64]) -> f64 {
+    (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+#[test]
+fn a_graph_of_fine_lags_beats_the_chain_of_steps() {
+    let driven = Ride::default().drive();
+    let (chain, _) = errors("car_published", &driven);
+    let (graph, _) = errors("car_graph", &driven);
+    // The bar on simulated drives with lasers on the axis.
+    assert!(rms(&graph) < 0.05 && rms(&graph) < 0.5 * rms(&chain), "{graph:?} and {chain:?}");
+}
+
+#[test]
+fn offsets_off_the_axis_are_found_and_undone() {
+    let ride = Ride { offset_m: 0.06, firings: 1500, turns: 14, ..Ride::default() };
+    let driven = ride.drive();
+    let sensor = Sensor::graph(23.0, 5.0, 2.0);
+    let drive = Drive::try_from(&driven.log).unwrap();
+    let angles = sensor.learn(&drive).unwrap();
+    let slopes = slopes(&sensor, &drive, &angles.angle_rad, 3);
+    for offsets in [Offsets::Alternating, Offsets::Sides] {
+        let found = from_slopes(12, &slopes, offsets);
+        assert!(found.iter().enumerate().all(|(l, o)| (o * found[0] > 0.0) == (l % 2 == 0)), "{offsets:?}: {found:?}");
+        assert!((found[0] / 0.06 - 1.0).abs() < 0.3, "{offsets:?}: {found:?}");
+    }
+    let on_axis = rms(&errors("car_graph", &driven).0);
+    for name in ["car_alternating", "car_sides"] {
+        let off_axis = rms(&errors(name, &driven).0);
+        assert!(off_axis < 0.5 * on_axis, "{name}: {off_axis} and {on_axis}");
+    }
+}
