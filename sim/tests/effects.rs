@@ -6,8 +6,10 @@ use asami_sim::drives::suite::Suite;
 use asami_sim::effect::About;
 use asami_sim::effects::{Effects, catalogue};
 use asami_sim::robots::aibo::{AiboConfig, AiboWorld, Start};
+use asami_sim::robots::car::{CarConfig, CarWorld};
 use asami_sim::robots::plain::{PlainConfig, PlainWorld};
 use asami_sim::scenes::field::{Colour, Cylinder, Field, Landmark};
+use asami_sim::scenes::solid::Ground;
 use asami_sim::sensors::camera::CameraConfig;
 use asami_sim::world::{Drive, Seen, World, run};
 use rand::RngExt;
@@ -16,17 +18,24 @@ use rand::RngExt;
 const WALK_S: f64 = 6.0;
 
 /// The robots that have a world: each must bear every effect that fits it.
-const ROBOTS: [&str; 2] = ["aibo", "plain"];
+const ROBOTS: [&str; 3] = ["aibo", "car", "plain"];
 
 fn walk(robot: &str, effects: &Effects, seed: u64) -> Dataset {
     let seed = Seed(seed);
-    run(&mut *world(robot, effects, seed), &mut Wander(seed.stream("drive"), None), WALK_S)
+    let pedals = robot == "car";
+    let mut drive = Wander { rng: seed.stream("drive"), current: None, pedals };
+    run(&mut *world(robot, effects, seed), &mut drive, WALK_S)
 }
 
 fn world(robot: &str, effects: &Effects, seed: Seed) -> Box<dyn World> {
     let bands = [Colour::Pink, Colour::Yellow];
     let body = Cylinder { x_m: 0.0, y_m: 0.0, radius_m: 0.05, base_m: 0.1, height_m: 0.2, bands };
     let field = Field { beacons: vec![Landmark { id: 0, body }], clutter: Vec::new() };
+    if robot == "car" {
+        let (config, ground) = (CarConfig::default(), Ground::level(300.0));
+        let start = asami_sim::robots::car::Start::default();
+        return Box::new(CarWorld::new(&config, &ground, None, effects, start, seed).expect("the shipped car"));
+    }
     if robot == "plain" {
         let (config, suite) = (PlainConfig::default(), Suite::default());
         let start = TruePose { t_s: 0.0, x_m: 0.0, y_m: -2.0, theta_rad: 0.0, v_m_per_s: None };
@@ -37,24 +46,33 @@ fn world(robot: &str, effects: &Effects, seed: Seed) -> Box<dyn World> {
     Box::new(AiboWorld::new(&config, &field, &camera, effects, start, seed).expect("the shipped robot"))
 }
 
-/// Commands in all three directions at once, new every 1.5 s.
-struct Wander(Rng, Option<(f64, Action)>);
+/// Commands of all three parts at once, new every 1.5 s.
+struct Wander {
+    rng: Rng,
+    current: Option<(f64, Action)>,
+    /// Of a car rather than of legs.
+    pedals: bool,
+}
 
 impl Drive for Wander {
     fn act(&mut self, t_s: f64, _seen: &Seen) -> Action {
-        let (since_s, action) = *self.1.get_or_insert_with(|| (t_s, Self::draw(&mut self.0)));
+        let (since_s, action) = self.current.unwrap_or_else(|| (t_s, self.draw()));
+        self.current = Some((since_s, action));
         if t_s - since_s >= 1.5 {
-            self.1 = None;
+            self.current = None;
         }
         action
     }
 }
 
 impl Wander {
-    fn draw(rng: &mut Rng) -> Action {
-        let [ax_m_per_s, ay_m_per_s, atheta_rad_per_s] =
-            [0.06, 0.2, 0.4].map(|most: f64| most * (2.0 * rng.random::<f64>() - 1.0));
-        Action::Legs { id: None, ax_m_per_s, ay_m_per_s, atheta_rad_per_s }
+    fn draw(&mut self) -> Action {
+        let [a, b, c] = [(); 3].map(|()| 2.0 * self.rng.random::<f64>() - 1.0);
+        if self.pedals {
+            // Firm enough on brake and steering for tyres to slide.
+            return Action::Pedals { throttle: a.abs(), brake: if b > 0.2 { b } else { 0.0 }, steering: c };
+        }
+        Action::Legs { id: None, ax_m_per_s: 0.06 * a, ay_m_per_s: 0.2 * b, atheta_rad_per_s: 0.4 * c }
     }
 }
 
@@ -158,7 +176,13 @@ fn any_two_effects_work_together() {
                     both.set(other.name, parameter.name, far(parameter));
                 }
                 let dataset = walk(robot, &both, 2);
-                assert!(!dataset.log.sightings.is_empty(), "{robot}: {} and {}", one.name, other.name);
+                assert_eq!(
+                    dataset.log.sightings.is_empty(),
+                    robot == "car",
+                    "{robot}: {} and {}",
+                    one.name,
+                    other.name
+                );
                 let finite = dataset.truth.track.iter().all(|pose| (pose.x_m + pose.y_m + pose.theta_rad).is_finite());
                 assert!(finite, "{robot}: {} and {}", one.name, other.name);
                 assert!(dataset != walk(robot, &set(one, far), 2), "{robot}: {} hides {}", one.name, other.name);

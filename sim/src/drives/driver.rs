@@ -16,7 +16,7 @@ asami_dataset::parameters! {
     /// How a person drives.
     pub struct Driving {
         /// Speed along free streets.
-        cruise_m_per_s: f64 = 5.4, "m/s", 1.0..=15.0;
+        cruise_m_per_s: f64 = 5.25, "m/s", 1.0..=15.0;
         /// Standard deviation of its moods.
         cruise_sd_m_per_s: f64 = 0.35, "m/s", 0.0..=3.0;
         /// How long a mood lasts.
@@ -26,7 +26,7 @@ asami_dataset::parameters! {
         /// Acceleration when pulling away.
         acceleration_m_per_s2: f64 = 2.1, "m/s^2", 0.3..=5.0;
         /// Deceleration at which braking from the usual speed begins.
-        braking_m_per_s2: f64 = 2.75, "m/s^2", 0.3..=8.0;
+        braking_m_per_s2: f64 = 2.7, "m/s^2", 0.3..=8.0;
         /// Share of it that is left when the car comes to a stop.
         easing: f64 = 0.3, "1", 0.05..=1.0;
         /// Relative standard deviation of both from stop to stop.
@@ -82,11 +82,11 @@ pub struct Feel {
 impl Default for Feel {
     fn default() -> Self {
         Self {
-            throttle_s2_per_m: 0.09,
+            throttle_s2_per_m: 0.084,
             holding_s_per_m: 0.012,
             creeping_s_per_m: 0.02,
             creep_m_per_s: 2.0,
-            brake_s2_per_m: 0.107,
+            brake_s2_per_m: 0.1,
             late_s: 0.2,
             steering_rad: 0.6,
             wheelbase_m: 2.332,

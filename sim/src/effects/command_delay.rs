@@ -10,7 +10,7 @@ effect! {
     /// Every command reaches the gait a fixed time after it was logged.
     CommandDelay, "command_delay",
     "Commands reach the gait generator a fixed time after they were given.",
-    Actuation, Timing, fits ["aibo", "plain", "create"],
+    Actuation, Timing, fits ["aibo", "plain", "create", "car"],
     source "hobby-servo and radio chains lag by 80 to 160 ms, good drives by under 25 ms",
     {
         /// From the logged time to the time it acts.
@@ -42,5 +42,5 @@ impl Effect for CommandDelay {
     }
 }
 
-/// Before the first delayed command arrives.
+/// Before the first delayed command arrives; to a car it says as little as silence, so that its brake holds.
 const STANDING: Action = Action::Legs { id: None, ax_m_per_s: 0.0, ay_m_per_s: 0.0, atheta_rad_per_s: 0.0 };

@@ -4,10 +4,10 @@ use crate::effect::{About, Effect, effect};
 use crate::knobs::Knobs;
 
 effect! {
-    /// The friction between feet and ground is a multiple of the nominal one.
+    /// The friction between feet or tyres and ground is a multiple of the nominal one.
     GroundFriction, "ground_friction",
-    "Feet grip the ground less, or more, than nominally.",
-    Dynamics, StaticMotion, fits ["aibo"],
+    "Feet or tyres grip the ground less, or more, than nominally.",
+    Dynamics, StaticMotion, fits ["aibo", "car"],
     source "rubber on carpet to plastic on lino: coefficients of about 1.0 down to 0.15",
     {
         /// Factor on the nominal friction coefficient.

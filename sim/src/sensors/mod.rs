@@ -1,5 +1,6 @@
 //! Devices that observe: what the robot is given instead of the truth.
 
+pub mod applanix;
 mod blobs;
 pub mod camera;
 pub mod image;

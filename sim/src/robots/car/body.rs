@@ -71,26 +71,23 @@ impl Body {
         let mut height_m = f64::MIN;
         for wheel in &blueprint.wheels {
             let hub = at + facing * wheel.hub_m;
-            let down_m =
-                distance(&shape, Vector3::new(hub.x, hub.y, 1e3), -Vector3::z(), 2e3).ok_or(BuildError::OffGround)?;
-            height_m = height_m.max(1e3 - down_m);
+            let (down_m, _) =
+                feel(&shape, Vector3::new(hub.x, hub.y, 1e2), -Vector3::z(), 2e2).ok_or(BuildError::OffGround)?;
+            height_m = height_m.max(1e2 - down_m);
         }
         let pose = Isometry3::from_parts(Translation3::new(at.x, at.y, height_m + radius_m), facing);
         let body = RigidBodyBuilder::dynamic()
             .pose(to_engine(&pose))
             .additional_mass_properties(mass_properties(&blueprint, 1.0))
             .can_sleep(false);
-        let (chassis, _) = {
-            let handle = engine.bodies.insert(body);
-            for shell in &blueprint.shells {
-                let half = shell.half_m.map(|half| half as f32);
-                let collider = ColliderBuilder::cuboid(half.x, half.y, half.z)
-                    .position(to_engine(&Isometry3::from_parts(shell.centre_m.into(), UnitQuaternion::identity())))
-                    .density(0.0);
-                engine.colliders.insert_with_parent(collider, handle, &mut engine.bodies);
-            }
-            (handle, ())
-        };
+        let chassis = engine.bodies.insert(body);
+        for shell in &blueprint.shells {
+            let half = shell.half_m.map(|half| half as f32);
+            let collider = ColliderBuilder::cuboid(half.x, half.y, half.z)
+                .position(to_engine(&Isometry3::from_parts(shell.centre_m.into(), UnitQuaternion::identity())))
+                .density(0.0);
+            engine.colliders.insert_with_parent(collider, chassis, &mut engine.bodies);
+        }
 
         let weight_n = blueprint.mass_kg * config.physics.gravity_m_per_s2;
         let front_share = 0.5 + blueprint.centre_of_mass_m.x / blueprint.wheelbase_m();
@@ -126,7 +123,7 @@ impl Body {
                 friction: controls.friction,
             };
             let ground = &self.ground;
-            let down = |from_m, along, most_m| distance(ground, from_m, along, most_m);
+            let down = |from_m, along, most_m| feel(ground, from_m, along, most_m);
             self.wheels[i].step(&motion, &inputs, &down, self.time_step_s, &mut push);
         }
         let velocity = motion.velocity_m_per_s;
@@ -201,10 +198,13 @@ fn mass_properties(blueprint: &Blueprint, ratio: f64) -> MassProperties {
     )
 }
 
-/// To the ground along a direction of length 1.
-fn distance(ground: &SharedShape, from_m: Vector3<f64>, along: Vector3<f64>, most_m: f64) -> Option<f64> {
+/// See [`Feeler`](super::wheel::Feeler).
+fn feel(ground: &SharedShape, from_m: Vector3<f64>, along: Vector3<f64>, most_m: f64) -> Option<(f64, Vector3<f64>)> {
     let ray = Ray::new(to_vector(&from_m), to_vector(&along));
-    ground.cast_local_ray(&ray, most_m as f32, true).map(f64::from)
+    let hit = ground.cast_local_ray_and_get_normal(&ray, most_m as f32, true)?;
+    let normal = from_vector(hit.normal);
+    let facing = if normal.dot(&along) > 0.0 { -normal } else { normal };
+    Some((f64::from(hit.time_of_impact), facing.normalize()))
 }
 
 fn to_vector(it: &Vector3<f64>) -> Vector {

@@ -10,6 +10,9 @@ const FEELERS: [f64; 5] = [-0.8, -0.4, 0.0, 0.4, 0.8];
 /// Feelers start this far above the hub.
 const ABOVE_M: f64 = 0.4;
 
+/// Cosine of the steepest slope that is rolled on as a plane.
+const STEEPEST: f64 = 0.8;
+
 /// The rigid body as the wheels need it. All in the world.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
@@ -32,6 +35,10 @@ impl Motion {
         self.velocity_m_per_s + self.turning_rad_per_s.cross(&(at_m - self.centre_of_mass_m))
     }
 }
+
+/// What a ray meets: how far off, and the surface's normal, of length 1. It starts at the first place, runs along the
+/// second, and no farther than the third.
+pub type Feeler<'a> = dyn Fn(Vector3<f64>, Vector3<f64>, f64) -> Option<(f64, Vector3<f64>)> + 'a;
 
 /// A force on the body, and its moment about the centre of mass.
 #[derive(Clone, Copy, Debug, Default)]
@@ -123,16 +130,8 @@ impl Wheel {
         self.load_n
     }
 
-    /// One step: adds to `push` what the body gets of it. `down` gives the distance from a place to the ground along a
-    /// direction, if it is within the third.
-    pub fn step(
-        &mut self,
-        motion: &Motion,
-        inputs: &Inputs,
-        down: &dyn Fn(Vector3<f64>, Vector3<f64>, f64) -> Option<f64>,
-        dt_s: f64,
-        push: &mut Push,
-    ) {
+    /// One step: adds to `push` what the body gets of it. `down` feels for the ground.
+    pub fn step(&mut self, motion: &Motion, inputs: &Inputs, down: &Feeler, dt_s: f64, push: &mut Push) {
         let up = motion.rotation * Vector3::z();
         let hub_m = motion.origin_m + motion.rotation * (self.plan.hub_m + Vector3::z() * self.travel_m);
         let (sin, cos) = asami_math::elementary::sin_cos(inputs.steer_rad);
@@ -174,25 +173,19 @@ impl Wheel {
             + self.damper_n_s_per_m * compressing_m_per_s
     }
 
-    /// Where the ground reaches deepest into the disc.
-    fn contact(
-        &self,
-        hub_m: Vector3<f64>,
-        ahead: Vector3<f64>,
-        up: Vector3<f64>,
-        down: &dyn Fn(Vector3<f64>, Vector3<f64>, f64) -> Option<f64>,
-    ) -> Option<Contact> {
+    /// Where the ground reaches deepest into the disc: the plane under the hub, or an edge before or behind it.
+    fn contact(&self, hub_m: Vector3<f64>, ahead: Vector3<f64>, up: Vector3<f64>, down: &Feeler) -> Option<Contact> {
         let radius_m = self.plan.radius_m;
         let feel = |share: f64| {
             let before_m = share * radius_m;
             let from_m = hub_m + ahead * before_m + up * ABOVE_M;
-            let below_m = down(from_m, -up, ABOVE_M + radius_m)? - ABOVE_M;
-            let depth_m = radius_m * (1.0 - share * share).sqrt() - below_m;
-            let arm = ahead * before_m - up * below_m;
-            (depth_m > 0.0 && below_m > 0.0).then(|| {
-                let length_m = arm.norm();
-                Contact { at_m: hub_m + arm, normal: -arm / length_m, depth_m: (radius_m - length_m).max(0.0) }
-            })
+            let (below_m, facing) = down(from_m, -up, ABOVE_M + radius_m)?;
+            let arm = ahead * before_m - up * (below_m - ABOVE_M);
+            // An edge pushes towards the hub, a plane along its normal.
+            let normal = if share == 0.0 && facing.dot(&up) > STEEPEST { facing } else { -arm.normalize() };
+            let depth_m = radius_m + arm.dot(&normal);
+            let at_m = hub_m - normal * (radius_m - depth_m);
+            (depth_m > 0.0 && below_m > ABOVE_M).then_some(Contact { at_m, normal, depth_m })
         };
         FEELERS.into_iter().filter_map(feel).max_by(|a, b| a.depth_m.total_cmp(&b.depth_m))
     }

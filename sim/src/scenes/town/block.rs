@@ -58,7 +58,7 @@ impl Block {
         let reach_m = street_half_m + config.corner_radius_m;
         let mut block = Self { cell, driveways: Vec::new(), street_half_m, lots: Vec::new(), roadside: Vec::new() };
         for side in 0..4 {
-            let (kerb, _) = block.side(side);
+            let kerb = block.side(side);
             let length_m = block.length_m(side);
             let ends_m = if side.is_multiple_of(2) { reach_m } else { DEPTH_M };
             let lots = ((length_m - 2.0 * ends_m) / LOT_M).max(0.0) as usize;
@@ -76,7 +76,7 @@ impl Block {
     }
 
     fn draw_roadside(&mut self, config: &TownConfig, rng: &mut Rng, side: usize, reach_m: f64) {
-        let (kerb, _) = self.side(side);
+        let kerb = self.side(side);
         let length_m = self.length_m(side);
         let free = length_m - 2.0 * (reach_m + 4.0);
         let places = (free / PLACE_M).max(0.0) as usize;
@@ -111,26 +111,24 @@ impl Block {
         if side.is_multiple_of(2) { x1 - x0 } else { y1 - y0 }
     }
 
-    /// A side's place: x along it from the cell's corner, counter-clockwise, y into the block from the kerb's foot;
-    /// and the point on the centre line where it begins.
-    fn side(&self, side: usize) -> (Place, [f64; 2]) {
+    /// A side's place: x along it from the cell's corner, counter-clockwise, y into the block from the kerb's foot.
+    fn side(&self, side: usize) -> Place {
         let [x0, y0, x1, y1] = self.cell;
-        let (corner, along) =
-            [([x0, y0], [1.0, 0.0]), ([x1, y0], [0.0, 1.0]), ([x1, y1], [-1.0, 0.0]), ([x0, y1], [0.0, -1.0])]
-                [side % 4];
+        let sides = [([x0, y0], [1.0, 0.0]), ([x1, y0], [0.0, 1.0]), ([x1, y1], [-1.0, 0.0]), ([x0, y1], [0.0, -1.0])];
+        let (corner, along) = sides[side % 4];
         let centre = Place { origin_m: [corner[0], corner[1], 0.0], along };
-        (centre.within([0.0, self.street_half_m, 0.0], [1.0, 0.0]), corner)
+        centre.within([0.0, self.street_half_m, 0.0], [1.0, 0.0])
     }
 
     /// Puts up all that stands on it.
     pub fn build(&self, mesh: &mut Mesh, solids: &mut Vec<Solid>, terrain: &Terrain, detail: f64) {
         for lot in &self.lots {
-            let (kerb, _) = self.side(lot.side);
+            let kerb = self.side(lot.side);
             let front = kerb.within([lot.along_m, terrain.frontage_m(), 0.0], [1.0, 0.0]);
             lot.build(mesh, solids, &front, terrain, detail);
         }
         for (side, along_m, thing) in &self.roadside {
-            let (kerb, _) = self.side(*side);
+            let kerb = self.side(*side);
             let ground = |x: f64, y: f64, height: &dyn Fn([f64; 2]) -> f64| {
                 let [wx, wy, _] = kerb.at([x, y, 0.0]);
                 [x, y, height([wx, wy])]
