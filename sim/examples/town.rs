@@ -2,7 +2,7 @@
 //! along the route. Writes a view from above and one from the street.
 //!
 //! ```text
-//! cargo run --example town -- out 1000 0.1    # folder, seed, detail
+//! cargo run --example town -- out 1000 0.1 60    # folder, seed, detail, way along the route to where the view is taken
 //! ```
 
 use std::error::Error;
@@ -12,14 +12,15 @@ use std::time::Instant;
 
 use asami_dataset::Seed;
 use asami_math::elementary::sin_cos;
+use asami_raycast::{Caster, MeshError, Packets, Ray};
 use asami_sim::scenes::town::{Surface, Town, TownConfig};
-use rapier3d::prelude::{Pose, Ray, SharedShape, Vector};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().unwrap_or_else(|| ".".to_owned());
     let seed = Seed(arguments.next().map_or(Ok(1000), |text| text.parse())?);
     let detail: f64 = arguments.next().map_or(Ok(0.1), |text| text.parse())?;
+    let along_m: f64 = arguments.next().map_or(Ok(60.0), |text| text.parse())?;
     for detail in [0.0, 0.1, 0.25, 0.5, 0.75, 1.0] {
         let began = Instant::now();
         let town = Town::new(&TownConfig { detail, ..TownConfig::default() }, seed);
@@ -29,14 +30,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let town = Town::new(&TownConfig { detail, ..TownConfig::default() }, seed);
     println!("route {:.1} m, stops at {:.1?}", town.route.length_m(), town.route.stops_m());
-    let caster = Caster::new(&town)?;
+    let caster = packets(&town)?;
     println!("laser  elevation  mean   sd of range, m");
     for (laser, (mean, sd)) in ranges(&town, &caster).into_iter().enumerate() {
         println!("{laser:5} {:10.2} {mean:5.2} {sd:6.3}", elevation_deg(laser));
     }
     std::fs::write(Path::new(&folder).join("town.svg"), from_above(&town)?)?;
-    std::fs::write(Path::new(&folder).join("street.ppm"), from_street(&town, &caster))?;
+    std::fs::write(Path::new(&folder).join("street.ppm"), from_street(&town, &caster, along_m))?;
     Ok(())
+}
+
+fn packets(town: &Town) -> Result<Packets, MeshError> {
+    Packets::new(&town.vertices, &town.triangles)
 }
 
 /// Lower lasers: evenly spaced from -24.7 to -8.9 degrees (Stronger 2008, section 2.5.2).
@@ -44,46 +49,35 @@ fn elevation_deg(laser: usize) -> f64 {
     -24.7 + 0.512 * laser as f64
 }
 
-struct Caster(SharedShape);
-
-impl Caster {
-    fn new(town: &Town) -> Result<Self, Box<dyn Error>> {
-        let vertices = town.vertices.iter().map(|&[x, y, z]| Vector::new(x, y, z)).collect();
-        Ok(Self(SharedShape::trimesh(vertices, town.triangles.clone())?))
-    }
-
-    /// Range, and which triangle.
-    fn cast(&self, from: [f64; 3], along: [f64; 3]) -> Option<(f64, usize, [f32; 3])> {
-        let vector = |it: [f64; 3]| Vector::new(it[0] as f32, it[1] as f32, it[2] as f32);
-        let hit =
-            self.0.cast_ray_and_get_normal(&Pose::IDENTITY, &Ray::new(vector(from), vector(along)), 120.0, false)?;
-        let triangle = hit.subshape as usize;
-        Some((f64::from(hit.time_of_impact), triangle, [hit.normal.x, hit.normal.y, hit.normal.z]))
-    }
+/// Range, and number of the triangle.
+fn cast(caster: &Packets, from: [f64; 3], along: [f64; 3]) -> Option<(f64, usize)> {
+    let ray = Ray { origin: from.map(|it| it as f32), direction: along.map(|it| it as f32) };
+    let hit = caster.cast_all(&[ray], 120.0)[0]?;
+    Some((f64::from(hit.range), hit.triangle as usize))
 }
 
 /// Mean and standard deviation of range, all around, every 2 m of the route, from 2 m above it.
-fn ranges(town: &Town, caster: &Caster) -> Vec<(f64, f64)> {
+fn ranges(town: &Town, caster: &Packets) -> Vec<(f64, f64)> {
     let eyes: Vec<[f64; 3]> =
         (0..(0.5 * town.route.length_m()) as usize).map(|i| eye(town, caster, 2.0 * i as f64)).collect();
     (0..16)
         .map(|laser| {
             let (rise, flat) = sin_cos(elevation_deg(laser).to_radians());
-            let cast = |(eye, azimuth): (&[f64; 3], i32)| {
+            let look = |(eye, azimuth): (&[f64; 3], i32)| {
                 let (sin, cos) = sin_cos(f64::from(azimuth).to_radians());
-                caster.cast(*eye, [flat * cos, flat * sin, rise]).map(|(range_m, ..)| range_m)
+                cast(caster, *eye, [flat * cos, flat * sin, rise]).map(|(range_m, _)| range_m)
             };
             let all: Vec<f64> =
-                eyes.iter().flat_map(|eye| (0..360).map(move |it| (eye, it))).filter_map(cast).collect();
+                eyes.iter().flat_map(|eye| (0..360).map(move |it| (eye, it))).filter_map(look).collect();
             let mean = all.iter().sum::<f64>() / all.len() as f64;
             (mean, (all.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / all.len() as f64).sqrt())
         })
         .collect()
 }
 
-fn eye(town: &Town, caster: &Caster, along_m: f64) -> [f64; 3] {
+fn eye(town: &Town, caster: &Packets, along_m: f64) -> [f64; 3] {
     let at = town.route.at(along_m);
-    let down_m = caster.cast([at.x_m, at.y_m, 50.0], [0.0, 0.0, -1.0]).map_or(50.0, |(range_m, ..)| range_m);
+    let down_m = cast(caster, [at.x_m, at.y_m, 50.0], [0.0, 0.0, -1.0]).map_or(50.0, |(range_m, _)| range_m);
     [at.x_m, at.y_m, 52.0 - down_m]
 }
 
@@ -133,25 +127,34 @@ fn from_above(town: &Town) -> Result<String, Box<dyn Error>> {
     Ok(svg)
 }
 
-/// What the driver sees 60 m along the route, from the height of the Velodyne.
-fn from_street(town: &Town, caster: &Caster) -> Vec<u8> {
+/// What the driver sees somewhere along the route, from the height of the Velodyne.
+fn from_street(town: &Town, caster: &Packets, along_m: f64) -> Vec<u8> {
     let (width, height) = (1400, 600);
-    let at = town.route.at(60.0);
-    let (ahead, right, eye) = (at.ahead(), at.right(), eye(town, caster, 60.0));
+    let at = town.route.at(along_m);
+    let (ahead, right, eye) = (at.ahead(), at.right(), eye(town, caster, along_m));
     let mut image = format!("P6 {width} {height} 255\n").into_bytes();
     for row in 0..height {
         for column in 0..width {
             let (u, v) = ((column as f64 - 0.5 * width as f64) / 700.0, (0.45 * height as f64 - row as f64) / 700.0);
             let length = (1.0 + u * u + v * v).sqrt();
             let along = [ahead[0] + u * right[0], ahead[1] + u * right[1], v].map(|it| it / length);
-            let pixel = caster.cast(eye, along).map_or([185, 210, 240], |(range_m, triangle, normal)| {
-                let light = (normal[0] * 0.3 - normal[1] * 0.5 + normal[2] * 0.8).abs().mul_add(0.7, 0.3);
-                let haze = (range_m / 200.0) as f32;
-                let surface = town.surface.get(triangle).copied().unwrap_or(Surface::Wall);
-                colour(surface).map(|it| ((1.0 - haze) * f32::from(it) * light + haze * 200.0) as u8)
+            let pixel = cast(caster, eye, along).map_or([185, 210, 240], |(range_m, triangle)| {
+                let [x, y, z] = normal(town, triangle);
+                let light = 0.35 + 0.65 * (0.3 * x - 0.5 * y + 0.8 * z).abs();
+                let haze = range_m / 250.0;
+                let lit = |it: u8| (1.0 - haze) * f64::from(it) * light + haze * 200.0;
+                colour(town.surface[triangle]).map(|it| lit(it) as u8)
             });
             image.extend(pixel);
         }
     }
     image
+}
+
+fn normal(town: &Town, triangle: usize) -> [f64; 3] {
+    let [a, b, c] = town.triangles[triangle].map(|at| town.vertices[at as usize].map(f64::from));
+    let (u, v) = ([0, 1, 2].map(|i| b[i] - a[i]), [0, 1, 2].map(|i| c[i] - a[i]));
+    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let length = normal.iter().map(|it| it * it).sum::<f64>().sqrt();
+    normal.map(|it| it / length)
 }

@@ -57,10 +57,7 @@ impl Body {
         engine.colliders.insert(ColliderBuilder::new(shape.clone()));
         for solid in &ground.solids {
             let [hx, hy, hz] = solid.half_m.map(|half| half as f32);
-            let turned = UnitQuaternion::from_axis_angle(
-                &Vector3::z_axis(),
-                asami_math::elementary::atan2(solid.along[1], solid.along[0]),
-            );
+            let turned = yawed(asami_math::elementary::atan2(solid.along[1], solid.along[0]));
             let pose = Isometry3::from_parts(Translation3::from(Vector3::from(solid.centre_m)), turned);
             engine.colliders.insert(ColliderBuilder::cuboid(hx, hy, hz).position(to_engine(&pose)));
         }
@@ -186,6 +183,12 @@ impl Body {
         let pose = world_from_body * self.blueprint.body_from_velodyne;
         (pose, motion.velocity_at(pose.translation.vector))
     }
+}
+
+/// Turned about the vertical, counter-clockwise. nalgebra's own would take the platform's sine.
+pub(super) fn yawed(angle_rad: f64) -> UnitQuaternion<f64> {
+    let (sin, cos) = asami_math::elementary::sin_cos(0.5 * angle_rad);
+    UnitQuaternion::from_quaternion(Quaternion::new(cos, 0.0, 0.0, sin))
 }
 
 fn mass_properties(blueprint: &Blueprint, ratio: f64) -> MassProperties {

@@ -4,12 +4,12 @@ use asami_dataset::log::Velodyne;
 use asami_dataset::{Action, Known, Seed, TruePose};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::atan2;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 
 use super::BuildError;
 use super::actuators::Actuator;
 use super::blueprint::Blueprint;
-use super::body::{Body, Controls};
+use super::body::{Body, Controls, yawed};
 use super::config::CarConfig;
 use super::drivetrain::Drivetrain;
 use crate::effect::{CommandStage, Stage};
@@ -75,7 +75,7 @@ impl CarWorld {
         let blueprint = Blueprint::shipped()?;
         let (steering_rad, radius_m) = (blueprint.steering_rad, blueprint.wheels[0].radius_m);
         let turned = std::f64::consts::FRAC_PI_2 + start.theta_rad;
-        let facing = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turned);
+        let facing = yawed(turned);
         let dt_s = config.physics.time_step_s;
         let fast = blueprint.steering_rad_per_s / steering_rad;
         let actuator = |delay_s, lag_s, most_per_s| Actuator::new(delay_s, lag_s, most_per_s, dt_s);
@@ -123,7 +123,7 @@ impl CarWorld {
     pub fn sensor_pose(&self) -> SensorPose {
         let (pose, _) = self.body.velodyne();
         // From x right, y forward to x forward, y left.
-        let body_from_robot = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -std::f64::consts::FRAC_PI_2);
+        let body_from_robot = yawed(-std::f64::consts::FRAC_PI_2);
         SensorPose {
             t_s: self.now_s(),
             position_m: pose.translation.vector.into(),

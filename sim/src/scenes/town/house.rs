@@ -174,14 +174,14 @@ impl House {
         if self.hipped {
             mesh.triangle([feet[1], feet[2], tops[1]], Surface::Roof);
             mesh.triangle([feet[3], feet[0], tops[0]], Surface::Roof);
+            // Eaves seen from below.
+            mesh.quad([feet[3], feet[2], feet[1], feet[0]], Surface::Roof);
         } else {
             for side in [-1.0, 1.0] {
                 let gable = [at(side * a, -side * b, eaves_m), at(side * a, side * b, eaves_m)];
                 mesh.triangle([gable[0], gable[1], at(side * a, 0.0, ridge_m)], Surface::Wall);
             }
         }
-        // The underside, seen from the street.
-        mesh.quad([feet[3], feet[2], feet[1], feet[0]], Surface::Roof);
     }
 }
 
