@@ -16,6 +16,8 @@ use crate::scenes::solid::Solid;
 const LOT_M: f64 = 15.0;
 /// Length of a parking place.
 const PLACE_M: f64 = 6.3;
+/// No car is parked so near to a corner's arc.
+const CORNER_M: f64 = 8.0;
 const DRIVEWAY_M: f64 = 3.2;
 /// Sides of a block end this far from the corner where those across begin at once.
 const DEPTH_M: f64 = 27.0;
@@ -78,10 +80,10 @@ impl Block {
     fn draw_roadside(&mut self, config: &TownConfig, rng: &mut Rng, side: usize, reach_m: f64) {
         let kerb = self.side(side);
         let length_m = self.length_m(side);
-        let free = length_m - 2.0 * (reach_m + 4.0);
+        let free = length_m - 2.0 * (reach_m + CORNER_M);
         let places = (free / PLACE_M).max(0.0) as usize;
         for i in 0..places {
-            let along_m = reach_m + 4.0 + (i as f64 + 0.5) * free / places as f64 + between(rng, -0.4, 0.4);
+            let along_m = reach_m + CORNER_M + (i as f64 + 0.5) * free / places as f64 + between(rng, -0.4, 0.4);
             let (car, askew, taken) = (Parked::draw(rng), between(rng, -0.025, 0.025), chance(rng, config.parked));
             let at = kerb.at([along_m, 0.0, 0.0]);
             let clear = self.driveways.iter().all(|it| {

@@ -206,6 +206,13 @@ impl TownConfig {
             let message = format!("pavement and verge ({frontage_m} m with kerbs) must fit into the corner_radius_m");
             faults.push(Fault { path: format!("{path}.corner_radius_m"), message });
         }
+        // Half the street, less the widest parked car off the kerb and half of the one that passes it.
+        let room_m = 0.5 * self.street_width_m - 0.15 - 1.82 - 0.9 - self.lane_m;
+        if self.parked > 0.0 && room_m < 0.3 {
+            let message =
+                format!("beside a lane_m of {} m cars pass parked ones by {room_m:.2} m, not 0.3", self.lane_m);
+            faults.push(Fault { path: format!("{path}.street_width_m"), message });
+        }
     }
 }
 

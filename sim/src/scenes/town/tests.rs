@@ -142,5 +142,7 @@ fn parts_that_do_not_fit_are_faults() {
     assert_eq!(faults, []);
     TownConfig { corner_radius_m: 5.0, verge_m: 3.0, pavement_m: 3.0, ..TownConfig::default() }
         .check_fit("town", &mut faults);
-    assert_eq!(faults.iter().map(|it| it.path.as_str()).collect::<Vec<_>>(), ["town.corner_radius_m"]);
+    TownConfig { street_width_m: 7.0, ..TownConfig::default() }.check_fit("town", &mut faults);
+    let paths: Vec<&str> = faults.iter().map(|it| it.path.as_str()).collect();
+    assert_eq!(paths, ["town.corner_radius_m", "town.street_width_m"]);
 }
