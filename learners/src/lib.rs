@@ -19,6 +19,7 @@ pub mod em;
 pub mod em_1d_published;
 pub mod em_best;
 pub mod em_exact;
+pub mod em_head;
 pub mod em_iterated;
 pub mod em_noise;
 pub mod em_published;
@@ -125,6 +126,7 @@ learners! {
     em_iterated => EmIterated,
     em_exact => EmExact,
     em_noise => EmNoise,
+    em_head => EmHead,
     em_robust => EmRobust,
     em_squarem => EmSquarem,
     em_shared => EmShared,

@@ -60,6 +60,7 @@ fn joint(plane: &Plane) -> Joint<'_> {
         f,
         size_var: 1.0,
         bearing_var: 1.0,
+        common_share: 0.0,
         false_share: 0.0,
         false_log_density: 0.0,
         prior: nowhere(),

@@ -31,7 +31,7 @@ pub fn nis_in_plane(log: &Log, models: &Models) -> Option<f64> {
 fn nis<const N: usize, const M: usize, W: World<N, M>>(problem: Problem<'_, W>, lambda: &Parameters<N>) -> Option<f64> {
     let Problem { world, plane } = problem;
     let mut state = lambda.prior;
-    let r = noise(lambda, 1.0);
+    let r = noise(lambda, 1.0, 1);
     let (mut sum, mut count) = (0.0, 0.0);
     for t in 0..plane.frames.len() {
         for seen in plane.seen(t) {

@@ -4,6 +4,7 @@ use asami_math::elementary::ln;
 use asami_math::kalman::Gaussian;
 use nalgebra::{SMatrix, SVector};
 
+use super::head::Common;
 use super::parameters::Parameters;
 use super::world::{Moved, Problem, World};
 use crate::plane::Plane;
@@ -83,6 +84,8 @@ impl<const N: usize> Forward<N> {
             let seen = plane.seen(t);
             let own = &mut weights[first..first + seen.len()];
             first += seen.len();
+            let several = M > 1 && lambda.common_share > 0.0 && seen.len() > 1;
+            let mut common = several.then(|| Common::new(lambda.common_share * lambda.bearing_var));
             for (seen, weight) in seen.iter().zip(own) {
                 let at = about.mean(t, &state.mean);
                 let (e, h) = match about {
@@ -98,7 +101,14 @@ impl<const N: usize> Forward<N> {
                 }
                 if *weight > 0.0 {
                     let e = e - h * world.difference(&state.mean, &at);
-                    let log_density = update(&mut state, &e, &h, &noise(lambda, *weight))?;
+                    let log_density = match &mut common {
+                        None => update(&mut state, &e, &h, &noise(lambda, *weight, 1))?,
+                        Some(common) => {
+                            let mut own: SVector<f64, M> = noise(lambda, *weight, 1);
+                            own[M - 1] *= 1.0 - lambda.common_share;
+                            common.update(&mut state, &e, &h, &own)?
+                        }
+                    };
                     self.log_likelihood += lambda.mixed(log_density);
                 }
             }
@@ -133,9 +143,15 @@ pub fn step<const N: usize>(plane: &Plane, lambda: &Parameters<N>, t: usize) -> 
     (v * frame.dt_s, q * (frame.dt_s / plane.step_s))
 }
 
-/// The noise of one sighting: of the size and, where it is observed, of the bearing.
-pub fn noise<const N: usize, const M: usize>(lambda: &Parameters<N>, weight: Weight) -> SVector<f64, M> {
-    SVector::from_fn(|i, _| if i == 0 { lambda.size_var } else { lambda.bearing_var } / weight)
+/// The noise of one of so many sightings `together` in a frame: of the size and, where it is observed, of the bearing;
+/// as if bearings had nothing in common, but such that together they tell as much as they do.
+pub fn noise<const N: usize, const M: usize>(
+    lambda: &Parameters<N>,
+    weight: Weight,
+    together: usize,
+) -> SVector<f64, M> {
+    let more = 1.0 + together.saturating_sub(1) as f64 * lambda.common_share;
+    SVector::from_fn(|i, _| if i == 0 { lambda.size_var } else { lambda.bearing_var * more } / weight)
 }
 
 /// The state given one sighting with innovation `e`, and the sighting's log-density: eqs 2.17 to 2.19 of

@@ -42,7 +42,7 @@ pub fn information<const N: usize, const M: usize, W: World<N, M>>(
         for seen in plane.seen(t) {
             let Some(weight) = weights.next().filter(|weight| **weight > 0.0) else { continue };
             let (_, h) = world.innovation(&state_t.mean, seen, &lambda.f);
-            let r = noise::<N, M>(lambda, *weight);
+            let r = noise::<N, M>(lambda, *weight, plane.seen(t).len());
             let u = lambda.f.scaled(world.look(&state_t.mean, seen).distance_m);
             for i in 0..M {
                 let h_i = h.row(i).transpose();

@@ -6,6 +6,7 @@
 //! | E-step | two filters, as published; RTS smoother; iterated smoother | [`two_filter`], [`smoother`] |
 //! | M-step | one sample a frame, as published; exact moments | [`sums`] |
 //! | noise of the motion | given; learned for each action | [`sums`] |
+//! | bearings of one frame | each wrong by itself; partly all alike | [`head`] |
 //! | outliers | gate, as published; mixture of true and false sightings | [`filter`], [`outliers`] |
 //! | acceleration | none; squared extrapolation | [`squarem`] |
 //! | structure | a table; velocities that borrow strength from each other | [`structure`] |
@@ -17,6 +18,7 @@ pub mod consistency;
 pub mod curve;
 pub mod field;
 pub mod filter;
+pub mod head;
 pub mod information;
 pub mod noise;
 pub mod outliers;
@@ -114,6 +116,9 @@ pub struct Em {
     pub exact: bool,
     /// What becomes of the noise of the motion.
     pub motion: MotionNoise,
+    /// Whether bearings of one frame have a part of their errors in common, as those of one head have. Needs exact
+    /// moments.
+    pub one_head: bool,
     /// What becomes of false sightings.
     pub outliers: Outliers,
     /// How iterations are made fewer.
@@ -140,6 +145,7 @@ impl Default for Em {
             expectation: Expectation::TwoFilters,
             exact: false,
             motion: MotionNoise::Given,
+            one_head: false,
             outliers: Outliers::Gate,
             acceleration: Acceleration::None,
             structure: Structure::Table,
@@ -165,6 +171,7 @@ impl Em {
     pub fn best(pooled_steps: f64) -> Self {
         Self {
             motion: MotionNoise::Learned { pooled_steps },
+            one_head: true,
             outliers: Outliers::Mixture,
             acceleration: Acceleration::Newton,
             second_try: true,

@@ -62,7 +62,7 @@ pub fn derivatives<const N: usize, const M: usize, W: World<N, M>>(
         for seen in plane.seen(t) {
             let Some(weight) = weights.next().filter(|weight| **weight > 0.0) else { continue };
             let (e, h) = world.innovation_from(about, seen, &lambda.f);
-            let r = noise::<N, M>(lambda, *weight);
+            let r = noise::<N, M>(lambda, *weight, plane.seen(t).len());
             let before = world.difference(&state.mean, &about.mean);
             let mut moved = SVector::<f64, N>::zeros();
             for i in 0..M {

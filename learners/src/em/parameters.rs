@@ -26,6 +26,8 @@ pub struct Parameters<const N: usize> {
     pub size_var: f64,
     /// `sigma_2^2`, of bearings, rad^2.
     pub bearing_var: f64,
+    /// Share of `sigma_2^2` that the bearings of one frame have in common, where the method knows of such.
+    pub common_share: f64,
     /// Share of sightings that are false, where the method knows of such.
     pub false_share: f64,
     /// Log-density of a false sighting.
@@ -90,6 +92,7 @@ impl<const N: usize> Parameters<N> {
             f,
             size_var: sigma1 * sigma1,
             bearing_var: sigma2 * sigma2,
+            common_share: 0.0,
             false_share: 0.0,
             false_log_density: 0.0,
             prior,
@@ -197,7 +200,7 @@ impl<const N: usize> Parameters<N> {
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let vectors = self.velocity.iter().chain(&self.motion_var).all(|v| v.iter().all(|x| x.is_finite()));
-        let scalars = [self.size_var, self.bearing_var, self.false_share];
+        let scalars = [self.size_var, self.bearing_var, self.common_share, self.false_share];
         vectors
             && scalars.iter().chain(&self.f.c).all(|x| x.is_finite())
             && self.prior.mean.iter().all(|x| x.is_finite())

@@ -186,6 +186,9 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
             sums.motion(plane, pooled_steps, &mut next);
         }
         sums.sensor(&mut next);
+        if self.em.one_head && self.method() != Expectation::TwoFilters {
+            sums.common(&mut next);
+        }
         self.score = sums.score(plane, lambda, &next);
         if let (Some(looks), false) = (&sums.looks, self.unjudged(i)) {
             judge(plane, looks, &mut self.weights, &mut next);

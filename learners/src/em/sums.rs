@@ -11,6 +11,7 @@ use rand::RngExt;
 
 use super::curve::{MOST, SizeCurve};
 use super::filter::Weight;
+use super::head::Frames;
 use super::parameters::Parameters;
 use super::world::{LookMoments, World};
 use crate::plane::{Plane, Seen};
@@ -46,6 +47,8 @@ pub struct Sums<'a, const N: usize> {
     bearing2: f64,
     /// `sum w`.
     pub weight: f64,
+    /// Frames of several bearings, where moments are exact.
+    together: Frames,
     /// `gamma_0`.
     pub first: Option<Gaussian<N>>,
     /// The looks at each sighting, where a method asks for them.
@@ -67,6 +70,7 @@ impl<'a, const N: usize> Sums<'a, N> {
             size2: 0.0,
             bearing2: 0.0,
             weight: 0.0,
+            together: Frames::default(),
             first: None,
             looks: keep_looks.then(|| vec![look; plane.sightings.len()]),
             f,
@@ -110,6 +114,9 @@ impl<'a, const N: usize> Sums<'a, N> {
                     self.look(&look, seen, *weight);
                 }
             }
+            if M > 1 && seen.len() > 1 {
+                self.several(world, gamma, seen, weights);
+            }
         } else if weights.iter().any(|weight| *weight > 0.0) {
             // w^(i) = mu + L z, Sigma = L L^T (section 4.3.2).
             let l = gamma.covariance.cholesky()?;
@@ -126,6 +133,31 @@ impl<'a, const N: usize> Sums<'a, N> {
             }
         }
         Some(())
+    }
+
+    /// Counts a frame of several bearings.
+    fn several<const M: usize, W: World<N, M>>(
+        &mut self,
+        world: &W,
+        gamma: &Gaussian<N>,
+        seen: &[Seen],
+        weights: &[Weight],
+    ) {
+        let (mut k, mut squares, mut sum, mut by) = (0.0, 0.0, 0.0, SVector::<f64, N>::zeros());
+        for (seen, weight) in seen.iter().zip(weights).filter(|(_, weight)| **weight > 0.0) {
+            let (e, h) = world.innovation(&gamma.mean, seen, &self.f);
+            let h_i = h.row(M - 1).transpose();
+            k += weight;
+            squares += weight * (e[M - 1] * e[M - 1] + h_i.dot(&(gamma.covariance * h_i)));
+            sum += weight * e[M - 1];
+            by += *weight * h_i;
+        }
+        self.together.add(k, squares, sum * sum + by.dot(&(gamma.covariance * by)));
+    }
+
+    /// The next share of `sigma_2^2` that the bearings of one frame have in common, into `lambda`.
+    pub fn common(&self, lambda: &mut Parameters<N>) {
+        lambda.common_share = self.together.share(lambda.bearing_var, lambda.common_share);
     }
 
     fn look(&mut self, look: &LookMoments, seen: &Seen, weight: Weight) {

@@ -102,7 +102,7 @@ pub fn backward<const N: usize, const M: usize, W: World<N, M>>(
                 let at = if vague { &alpha.mean } else { &beta.mean };
                 let (e, h) = world.innovation(at, seen, &lambda.f);
                 let e = e - h * world.difference(&beta.mean, at);
-                update(&mut beta, &e, &h, &noise(lambda, *weight))?;
+                update(&mut beta, &e, &h, &noise(lambda, *weight, plane.seen(t).len()))?;
             }
         }
     }

@@ -64,6 +64,7 @@ fn lambda(f: &Polynomial) -> Parameters<1> {
         f: SizeCurve::new(f, f.coefficients.len(), 2.0, 1.5),
         size_var: 0.04,
         bearing_var: 1.0,
+        common_share: 0.0,
         false_share: 0.0,
         false_log_density: 0.0,
         prior: Gaussian { mean: v(-2.4), covariance: v(0.3) },

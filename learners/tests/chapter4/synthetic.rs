@@ -27,6 +27,8 @@ pub struct Walker {
     pub motion_sd: [f64; 3],
     /// Where the sensor sits: right, forward.
     pub sensor_origin_m: [f64; 2],
+    /// Whether all bearings of a frame are off alike.
+    pub one_head: bool,
     /// Share of sightings replaced by anything.
     pub false_share: f64,
     /// Degree of the true f; 0: the camera's, `38.4 / (d - 0.1) - 1`.
@@ -47,6 +49,7 @@ impl Default for Walker {
             sigma2_rad: 0.5,
             motion_sd: [0.005, 0.005, 0.02],
             sensor_origin_m: [0.0; 2],
+            one_head: false,
             false_share: 0.0,
             cubic: false,
             beacons: vec![0, 1, 2, 3],
@@ -96,6 +99,7 @@ impl Walker {
         let mut poses = Vec::with_capacity(self.steps);
         let mut policy = Seed(seed).stream("policy");
         let (mut motion, mut sight) = (Seed(seed).stream("motion"), Seed(seed).stream("sight"));
+        let mut head = Seed(seed).stream("head");
         let normal = |rng: &mut asami_dataset::Rng| -> f64 { StandardNormal.sample(rng) };
         let mut pose = [0.0, 0.0, 0.3];
         let mut executed = vec![0u32; usize::from(self.actions)];
@@ -114,8 +118,10 @@ impl Walker {
             let pan = 1.4 * sin(TAU * t_s / 2.0);
             frames.push(Frame { t_s, head_pan_rad: pan });
             poses.push(pose);
+            let head_error = normal(&mut head);
             for (id, place) in (0..).zip(BEACONS) {
-                let (e1, e2): (f64, f64) = (normal(&mut sight), normal(&mut sight));
+                let (e1, own): (f64, f64) = (normal(&mut sight), normal(&mut sight));
+                let e2 = if self.one_head { head_error } else { own };
                 let (odd, recognised) = (sight.random::<f64>(), sight.random::<f64>() < 0.86);
                 let (s, c) = sin_cos(pose[2]);
                 let (dx, dy) = (place[0] - pose[0], place[1] - pose[1]);
