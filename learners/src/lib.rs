@@ -9,6 +9,7 @@ mod augmented;
 pub mod batch;
 pub mod canonical;
 pub mod car_alternating;
+pub mod car_best;
 pub mod car_graph;
 pub mod car_lines;
 pub mod car_published;
@@ -140,4 +141,5 @@ learners! {
     car_lines => CarLines,
     car_alternating => CarAlternating,
     car_sides => CarSides,
+    car_best => CarBest,
 }

@@ -10,6 +10,7 @@ pub mod barfoot_2d;
 pub mod capture;
 pub mod clock;
 pub mod columns;
+pub mod kitti;
 pub mod mrclam;
 pub mod units;
 pub mod words;

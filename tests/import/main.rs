@@ -2,6 +2,7 @@
 
 mod barfoot_1d;
 mod barfoot_2d;
+mod kitti;
 mod mrclam;
 
 use std::collections::BTreeMap;

@@ -11,6 +11,7 @@ mod matching;
 mod odometry;
 mod offsets;
 mod pairs;
+mod registered;
 mod sensor;
 mod signal;
 
@@ -29,6 +30,7 @@ pub use matching::{Distance, Match, Matching, Target, align};
 pub use odometry::{Motion, Odometry};
 pub use offsets::{Offsets, Slope, from_slopes, slopes};
 pub use pairs::{PairLag, pair_lags, pairs};
+pub use registered::Registered;
 pub use sensor::{Layout, Sensor};
 pub use signal::{Shaping, Signal};
 
@@ -47,6 +49,8 @@ pub struct Car {
     pub matching: Matching,
     /// Where matching begins.
     pub start: Start,
+    /// How motions and pedals become an action model.
+    pub fit: Fit,
     /// Slower motions do not tell which way is forward.
     pub slow_m_per_s: f64,
     /// Scans are matched anew with the action model learned from them so many times at most.
@@ -62,6 +66,15 @@ pub enum Start {
     PairBefore,
 }
 
+/// How motions and pedals become an action model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fit {
+    /// By the regressions of eqs 5.3 and 5.4 over means of whole intervals.
+    Published,
+    /// Pedals averaged over the very time of the acceleration, the actuators' delay found, within what tyres can do.
+    Registered(Registered),
+}
+
 /// What scan matching found.
 struct Found {
     motions: Vec<Option<Motion>>,
@@ -69,6 +82,7 @@ struct Found {
     iterations: u32,
     stretches: Vec<Stretch>,
     coefficients: Option<Coefficients>,
+    delay_s: f64,
 }
 
 /// Motions that change by less than this from one iteration to the next (metres; turns count at 10 m) have converged.
@@ -84,6 +98,7 @@ impl Car {
             cut: Cut { lowest_m: -1.0, square_m: 0.0 },
             matching: Matching::published(),
             start: Start::ActionModel,
+            fit: Fit::Published,
             slow_m_per_s: 2.0,
             max_iterations: 10,
         }
@@ -124,7 +139,7 @@ impl Car {
         };
         Ok(Learned {
             models: Models {
-                action: found.coefficients.map(|coefficients| coefficients.model(0.0)),
+                action: found.coefficients.map(|coefficients| coefficients.model(found.delay_s)),
                 sensor: Some(sensor),
                 ..Models::default()
             },
@@ -151,10 +166,10 @@ impl Car {
             (n > 0.0 && stretch.v_m_per_s.is_finite() && stretch.omega_rad_per_s.is_finite()).then_some(stretch)
         };
         let stretches: Vec<Stretch> = (0..count).filter_map(mean).collect();
-        let coefficients = regress(&stretches);
+        let (coefficients, delay_s) = self.fitted(log, &stretches);
         let mut lacks = vec![Lack::NoFirings];
         lacks.extend(self.pedal_lack(log, &coefficients));
-        let action = coefficients.map(|coefficients| coefficients.model(0.0));
+        let action = coefficients.map(|coefficients| coefficients.model(delay_s));
         Ok(Learned { models: Models { action, ..Models::default() }, iterations: Some(1), lacks, ..Learned::default() })
     }
 
@@ -199,8 +214,17 @@ impl Car {
             };
             motions.iter().flatten().filter_map(stretch).collect()
         });
-        let coefficients = regress(&stretches);
-        Found { motions, forward, iterations: 1, stretches, coefficients }
+        let (coefficients, delay_s) = self.fitted(log, &stretches);
+        Found { motions, forward, iterations: 1, stretches, coefficients, delay_s }
+    }
+
+    fn fitted(&self, log: &Log, stretches: &[Stretch]) -> (Option<Coefficients>, f64) {
+        match self.fit {
+            Fit::Published => (regress(stretches), 0.0),
+            Fit::Registered(fit) => {
+                fit.learn(stretches, &log.commands).map_or((None, 0.0), |(c, delay_s)| (Some(c), delay_s))
+            }
+        }
     }
 
     fn pedal_lack(&self, log: &Log, coefficients: &Option<Coefficients>) -> Option<Lack> {

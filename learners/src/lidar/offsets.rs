@@ -50,7 +50,7 @@ pub fn slopes(sensor: &Sensor, drive: &Drive<'_>, angles_rad: &[f64], reach: usi
         .map(|&(near_m, far_m)| {
             let shaping = Shaping { near_m, window_m: Some((near_m, far_m)), ..sensor.shaping };
             let signals = sensor.signals(drive, &shaping, &[]);
-            let lags = pair_lags(drive, &signals, &pairs, sensor.most_lag_rad, sensor.least_share);
+            let lags = pair_lags(drive, &signals, &pairs, sensor.most_lag_rad, sensor.least_share, true);
             let inverse: Vec<Option<f64>> = signals
                 .iter()
                 .enumerate()

@@ -26,7 +26,7 @@ pub fn pairs(lasers: usize, reach: usize) -> Vec<(usize, usize)> {
 }
 
 /// The lag of each pair; `None` where the pair has none. Lags up to `most_rad` to both sides; only those at which at least
-/// `least_share` of the most firings overlap.
+/// `least_share` of the most firings overlap. Between the steps of the firings only if `sub_step`.
 #[must_use]
 pub fn pair_lags(
     drive: &Drive<'_>,
@@ -34,6 +34,7 @@ pub fn pair_lags(
     pairs: &[(usize, usize)],
     most_rad: f64,
     least_share: f64,
+    sub_step: bool,
 ) -> Vec<Option<PairLag>> {
     let lags = lags_to(drive.firings_in(most_rad));
     // A peak that lies within the width of an edge of the first is the same one.
@@ -41,6 +42,7 @@ pub fn pair_lags(
     let slices: Vec<&[i16]> = signals.iter().map(Vec::as_slice).collect();
     let peak = |(correlogram, &(a, b)): (&Correlogram, &(usize, usize))| {
         let peak = Peak::of(correlogram, signals.get(a)?, signals.get(b)?, least_share, apart)?;
+        let peak = if sub_step { peak.refined(correlogram, &signals[a], &signals[b]) } else { peak };
         let step = drive.step_rad;
         Some(PairLag { a, b, step_angle_rad: peak.lag as f64 * step, angle_rad: peak.fine_lag() * step, peak })
     };

@@ -141,7 +141,14 @@ impl Sensor {
             Layout::Chain => 1,
             Layout::Graph { reach, .. } => reach,
         };
-        let lags = pair_lags(drive, signals, &pairs(drive.lasers(), reach), self.most_lag_rad, self.least_share);
+        let lags = pair_lags(
+            drive,
+            signals,
+            &pairs(drive.lasers(), reach),
+            self.most_lag_rad,
+            self.least_share,
+            self.sub_step,
+        );
         match self.layout {
             Layout::Chain => {
                 let angle = |lag: &PairLag| if self.sub_step { lag.angle_rad } else { lag.step_angle_rad };

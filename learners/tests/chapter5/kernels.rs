@@ -1,8 +1,8 @@
 //! The parts of the method, each against its definition.
 
-use asami_dataset::Seed;
+use asami_dataset::{Action, Command, Seed};
 use asami_learners::lidar::{
-    Angles, Distance, Matching, PairLag, Stretch, Target, align, chain, graph, pairs, regress, roll_out,
+    Angles, Distance, Matching, PairLag, Registered, Stretch, Target, align, chain, graph, pairs, regress, roll_out,
 };
 use asami_math::correlation::Peak;
 use asami_math::rigid::Rigid;
@@ -129,4 +129,83 @@ fn stretches_made_by_the_model_give_the_model() {
     // A gap: the stretch after it does not follow, and is no acceleration.
     let broken: Vec<Stretch> = stretches.iter().enumerate().filter(|(i, _)| *i != 30).map(|(_, s)| *s).collect();
     assert!(regress(&broken).unwrap().c.iter().zip(c).all(|(a, b)| (a - b).abs() < 1e-9));
+}
+
+/// Odometry at 100 Hz of a car that follows the model, its actuators `delay_s` late.
+fn delayed(delay_s: f64, brake: bool) -> (Vec<Stretch>, Vec<Command>) {
+    let mut rng = Seed(1004).stream("test");
+    let commands: Vec<Command> = (0..1600)
+        .map(|i| {
+            let held = i / 20 % 3;
+            let (throttle, brake) = if held == 2 && brake {
+                (0.0, 0.5 * rng.random::<f64>())
+            } else {
+                (0.1 + 0.2 * held as f64 + 0.2 * rng.random::<f64>(), 0.0)
+            };
+            Command { t_s: 0.05 * f64::from(i), action: Action::Pedals { throttle, brake, steering: 0.3 } }
+        })
+        .collect();
+    let (c, mut v) = ([0.2, 4.0, -0.3, -0.6, 0.001, 0.09], 3.0);
+    let mut speeds = Vec::new();
+    for i in 0..8000 {
+        let at = commands.partition_point(|command| command.t_s <= 0.01 * f64::from(i) - delay_s + 1e-9).max(1) - 1;
+        let Action::Pedals { throttle, brake, .. } = commands[at].action else { unreachable!() };
+        speeds.push(v);
+        v += 0.01 * (c[0] + c[1] * throttle + c[2] * v + c[3] * v * brake);
+    }
+    let stretches = (2..158)
+        .map(|k| {
+            let t_s = 0.5 * f64::from(k);
+            let v_m_per_s = speeds[50 * k as usize..50 * (k as usize + 1)].iter().sum::<f64>() / 50.0;
+            let pedals = mean_pedals(&commands, t_s);
+            Stretch { t_s, dt_s: 0.5, v_m_per_s, omega_rad_per_s: v_m_per_s * (c[4] + 0.3 * c[5]), pedals }
+        })
+        .collect();
+    (stretches, commands)
+}
+
+/// Means over half a second: ten commands.
+fn mean_pedals(commands: &[Command], t_s: f64) -> [f64; 3] {
+    let first = (t_s / 0.05).round() as usize;
+    let mut means = [0.0; 3];
+    for command in &commands[first..first + 10] {
+        let Action::Pedals { throttle, brake, steering } = command.action else { unreachable!() };
+        means.iter_mut().zip([throttle, brake, steering]).for_each(|(mean, value)| *mean += value / 10.0);
+    }
+    means
+}
+
+#[test]
+fn registered_accelerations_tell_the_delay_and_fit_better() {
+    let fit = Registered { most_delay_s: 0.5, grip: 1.0 };
+    for delay_s in [0.0, 0.2, 0.35] {
+        let (stretches, commands) = delayed(delay_s, true);
+        let (found, found_s) = fit.learn(&stretches, &commands).unwrap();
+        assert!((found_s - delay_s).abs() < 0.051, "{delay_s}: {found_s}");
+        let published = regress(&stretches).unwrap();
+        let off = |c: &[f64; 6]| (c[1] / 4.0 - 1.0).abs() + (c[3] / -0.6 - 1.0).abs();
+        assert!(off(&found.c) < off(&published.c).min(0.4), "{delay_s}: {found:?} and {published:?}");
+    }
+}
+
+#[test]
+fn a_brake_that_was_never_touched_gets_no_coefficient() {
+    let (mut stretches, commands) = delayed(0.0, false);
+    // Noise on a pedal at rest, and on the speeds.
+    let mut rng = Seed(1005).stream("test");
+    stretches.iter_mut().for_each(|s| s.v_m_per_s += 0.05 * (rng.random::<f64>() - 0.5));
+    let commands: Vec<Command> = commands
+        .iter()
+        .map(|command| {
+            let Action::Pedals { throttle, steering, .. } = command.action else { unreachable!() };
+            Command { action: Action::Pedals { throttle, brake: 1e-4 * rng.random::<f64>(), steering }, ..*command }
+        })
+        .collect();
+    stretches.iter_mut().for_each(|s| s.pedals = mean_pedals(&commands, s.t_s));
+    let fastest = stretches.iter().map(|s| s.v_m_per_s).fold(0.0, f64::max);
+    let (found, _) = Registered { most_delay_s: 0.0, grip: 1.0 }.learn(&stretches, &commands).unwrap();
+    // Within what tyres hold at full brake; the free regression has no such bound.
+    assert!((found.c[3] * fastest).abs() < 9.81, "{found:?}");
+    assert!((regress(&stretches).unwrap().c[3] * fastest).abs() > 9.81);
+    assert!((found.c[1] / 4.0 - 1.0).abs() < 0.1, "{found:?}");
 }

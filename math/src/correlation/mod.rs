@@ -40,24 +40,28 @@ impl Overlap {
         let b = b.unwrap_or(&[]);
         let n = a.len().min(b.len());
         let mut sums = Self::default();
-        // Short enough for sums of values, and of pairs of products, to fit 32 bits.
+        // Chunks are short enough for all sums to fit 32 bits, products in two halves of 15 bits.
         for (a, b) in a[..n].chunks(4096).zip(b[..n].chunks(4096)) {
             let (mut count, mut x, mut y) = (0i32, 0i32, 0i32);
-            let (mut xx, mut yy, mut xy) = (0i64, 0i64, 0i64);
+            let (mut xx, mut yy, mut xy) = ([0i32; 2], [0i32; 2], [0i32; 2]);
             for (&a, &b) in a.iter().zip(b) {
-                let both = -i32::from(a != ABSENT && b != ABSENT);
-                let (a, b) = (i32::from(a) & both, i32::from(b) & both);
-                count -= both;
-                x += a;
-                y += b;
-                xx += i64::from(a * a);
-                yy += i64::from(b * b);
-                xy += i64::from(a * b);
+                let both = -i16::from(a != ABSENT && b != ABSENT);
+                let (a, b) = (a & both, b & both);
+                count -= i32::from(both);
+                x += i32::from(a);
+                y += i32::from(b);
+                let products = [(&mut xx, (a, a)), (&mut yy, (b, b)), (&mut xy, (a, b))];
+                for (sum, (a, b)) in products {
+                    let product = i32::from(a) * i32::from(b);
+                    sum[0] += product & 0x7fff;
+                    sum[1] += product >> 15;
+                }
             }
+            let whole = |[low, high]: [i32; 2]| i64::from(low) + (i64::from(high) << 15);
             sums.count += i64::from(count);
-            sums.x = [sums.x[0] + i64::from(x), sums.x[1] + xx];
-            sums.y = [sums.y[0] + i64::from(y), sums.y[1] + yy];
-            sums.xy += xy;
+            sums.x = [sums.x[0] + i64::from(x), sums.x[1] + whole(xx)];
+            sums.y = [sums.y[0] + i64::from(y), sums.y[1] + whole(yy)];
+            sums.xy += whole(xy);
         }
         sums
     }
@@ -94,9 +98,10 @@ pub struct Peak {
     /// The coefficient there.
     pub coefficient: f64,
     /// Where a parabola through the coefficients at the peak and on both sides of it is greatest, in places from
-    /// `lag`, within -0.5 to 0.5; 0 at the end of the lags.
+    /// `lag`, within -0.5 to 0.5; 0 at the end of the lags, and until [`Peak::refined`].
     pub sub_step: f64,
-    /// Twice the coefficient's drop from the peak to one place beside it: the parabola's curvature, per place squared.
+    /// Twice the coefficient's drop from the peak to one place beside it: the parabola's curvature, per place squared. 0
+    /// likewise.
     pub curvature: f64,
     /// The greatest coefficient among other peaks, `apart` places away or more; -1 if there is none.
     pub second: f64,
@@ -121,14 +126,23 @@ impl Peak {
             }
         }
         let i = best?;
-        let beside = |i: Option<usize>| i.filter(|i| *i < correlogram.counts.len() && enough(*i)).and_then(exact);
-        let (sub_step, curvature) = match (beside(i.checked_sub(1)), beside(i.checked_add(1))) {
-            (Some(before), Some(after)) => vertex(before, best_coefficient, after),
-            _ => (0.0, 0.0),
-        };
         let others = found.iter().filter(|&&j| j.abs_diff(i) >= apart).map(|&j| height(j));
         let second = others.filter(|c| !c.is_nan()).fold(-1.0, f64::max);
-        Some(Self { lag: lag_of(i), coefficient: best_coefficient, sub_step, curvature, second })
+        Some(Self { lag: lag_of(i), coefficient: best_coefficient, sub_step: 0.0, curvature: 0.0, second })
+    }
+
+    /// The peak found between the places, by exact sums on both sides of it.
+    #[must_use]
+    pub fn refined(self, correlogram: &Correlogram, a: &[i16], b: &[i16]) -> Self {
+        let within = |lag: isize| {
+            (lag - correlogram.first_lag) < correlogram.counts.len() as isize && lag >= correlogram.first_lag
+        };
+        let beside = |lag: isize| within(lag).then(|| Overlap::at(a, b, lag).coefficient()).flatten();
+        let (sub_step, curvature) = match (beside(self.lag - 1), beside(self.lag + 1)) {
+            (Some(before), Some(after)) => vertex(before, self.coefficient, after),
+            _ => (0.0, 0.0),
+        };
+        Self { sub_step, curvature, ..self }
     }
 
     /// The lag with its fraction, in places.

@@ -1,0 +1,167 @@
+//! Revolutions of a real HDL-64E as pictures of their raw firings, and the car's inertial navigation: KITTI raw (Geiger, Lenz, Stiller and
+//! Urtasun 2013), point clouds turned back into firings.
+//!
+//! A folder with
+//!
+//! | what | holds |
+//! |---|---|
+//! | `range/*.png` | one revolution each, in order of name: 16-bit grey, a column a firing; rows 0 to 63 the ranges in units of 2 mm (0: no return), lasers by increasing vertical angle; row 64 the encoder's angle, clockwise, hundredths of a degree |
+//! | `oxts.txt` | KITTI's 30 columns, a row a revolution; of these the forward speed and the rate of turn are read |
+//!
+//! Revolutions begin where the unit looks ahead, when the navigation's row was taken.
+
+mod unit;
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use asami_dataset::firings::ENCODER_STEPS;
+use asami_dataset::log::Velodyne;
+use asami_dataset::{Dataset, Firings, Known, Log, Survey, TruePose, Truth};
+use asami_math::angle::wrap_rad;
+use asami_math::elementary::sin_cos;
+
+use self::unit::KITTI_DEG;
+use super::columns::of_folder;
+use super::{ImportError, Imported, words};
+
+/// How long a revolution takes: not recorded, but the data set's rate.
+const TURN_S: f64 = 0.1036;
+/// Of the sensor over the ground (the data set's documentation).
+const SENSOR_HEIGHT_M: f64 = 1.73;
+/// More columns than any revolution has.
+const MOST_COLUMNS: u32 = 8192;
+
+const HINT: &str = "it is a folder with range/*.png and oxts.txt, made of KITTI raw data";
+const OXTS: [&str; 30] = [
+    "lat", "lon", "alt", "roll", "pitch", "yaw", "vn", "ve", "vf", "vl", "vu", "ax", "ay", "az", "af", "al", "au",
+    "wx", "wy", "wz", "wf", "wl", "wu", "posacc", "velacc", "navstat", "numsats", "posmode", "velmode", "orimode",
+];
+/// Column of the forward speed, and that of the rate of turn about the vertical.
+const VF: usize = 8;
+const WU: usize = 22;
+
+/// Reads the drive in the folder `source`.
+///
+/// # Errors
+/// [`ImportError`] where there is no such drive, or it is not as documented above.
+pub fn read(source: &Path) -> Result<Imported, ImportError> {
+    let track = track(&of_folder(source, "oxts.txt", HINT)?)?;
+    let firings = firings(&pictures(&source.join("range"))?)?;
+    let turns = firings.t_s.last().map_or(0.0, |last| (last / TURN_S).ceil());
+    let rate_hz = firings.len() as f64 / (turns.max(1.0) * TURN_S);
+    let notes = vec![
+        format!("found: {} firings of {} lasers in {turns} revolutions", firings.len(), firings.lasers()),
+        format!("assumed: each revolution takes {TURN_S} s, and a row of oxts.txt was taken where it begins"),
+        "assumed: the unit looks ahead at encoder angle 0, so that theta_b is 90 degrees".to_owned(),
+        "assumed: positions are the forward speed and rate of turn added up".to_owned(),
+    ];
+    let velodyne = Velodyne {
+        vertical_angles_rad: KITTI_DEG.iter().map(|[vertical, _]| vertical.to_radians()).collect(),
+        firing_rate_hz: rate_hz,
+        turn_rate_hz: 1.0 / TURN_S,
+        sensor_height_m: SENSOR_HEIGHT_M,
+    };
+    let ahead_rad = std::f64::consts::FRAC_PI_2;
+    let survey = Survey {
+        horizontal_angles_rad: KITTI_DEG.iter().map(|[_, rotational]| rotational.to_radians() + ahead_rad).collect(),
+        theta_b_rad: Some(ahead_rad),
+        ..Survey::default()
+    };
+    let known = Known { robot: "car".to_owned(), velodyne: Some(velodyne), ..Known::default() };
+    let log = Log { known: known.into(), firings: Some(Arc::new(firings)), ..Log::default() };
+    Ok(Imported {
+        dataset: Dataset { log, truth: Truth { track: track.into(), survey: Some(survey) }, provenance: None },
+        notes,
+    })
+}
+
+/// The revolutions' pictures, in order of name.
+fn pictures(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
+    let listed = std::fs::read_dir(folder).map_err(|_| ImportError::Absent { path: folder.to_owned(), hint: HINT })?;
+    let mut files: Vec<PathBuf> = listed
+        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "png"))
+        .collect();
+    files.sort();
+    if files.is_empty() {
+        return Err(ImportError::TooShort { file: folder.to_owned(), needed: 1, found: 0 });
+    }
+    Ok(files)
+}
+
+/// All firings; a firing's time is its place in the turn.
+fn firings(files: &[PathBuf]) -> Result<Firings, ImportError> {
+    let lasers = KITTI_DEG.len();
+    let mut firings = Firings { range_2mm: vec![Vec::new(); lasers], ..Firings::default() };
+    for (turn, file) in files.iter().enumerate() {
+        let [rows @ .., encoder] = &picture(file)?;
+        let mut latest_s = firings.t_s.last().copied().unwrap_or(0.0);
+        for (column, &angle) in encoder.iter().enumerate() {
+            if angle >= ENCODER_STEPS {
+                let rule = "must be an angle in 0..36000 hundredths of a degree";
+                return Err(value(file, column, rule, u32::from(angle)));
+            }
+            // A turn may begin with the last angle of the one before.
+            let share = f64::from(angle) / f64::from(ENCODER_STEPS);
+            let begun = if column < encoder.len() / 2 && share > 0.75 { share - 1.0 } else { share };
+            latest_s = latest_s.max((turn as f64 + begun) * TURN_S);
+            firings.t_s.push(latest_s);
+            firings.encoder_cdeg.push(angle);
+        }
+        firings.range_2mm.iter_mut().zip(rows).for_each(|(all, row)| all.extend_from_slice(row));
+    }
+    Ok(firings)
+}
+
+/// The rows of one picture: 64 of ranges and one of angles.
+fn picture(file: &Path) -> Result<[Vec<u16>; 65], ImportError> {
+    let unreadable = |why: String| ImportError::Unreadable { file: file.to_owned(), why };
+    let open = File::open(file).map_err(|error| unreadable(error.to_string()))?;
+    let mut reader =
+        png::Decoder::new(BufReader::new(open)).read_info().map_err(|error| unreadable(error.to_string()))?;
+    let info = reader.info();
+    let (width, height) = (info.width, info.height);
+    if info.color_type != png::ColorType::Grayscale || info.bit_depth != png::BitDepth::Sixteen || info.interlaced {
+        return Err(unreadable("a picture of firings is 16-bit grey, not interlaced".to_owned()));
+    }
+    if height != 65 || !(1..=MOST_COLUMNS).contains(&width) {
+        let why = format!("a picture of firings has 65 rows and 1 to {MOST_COLUMNS} columns, not {height} and {width}");
+        return Err(unreadable(why));
+    }
+    let mut rows = [(); 65].map(|()| Vec::with_capacity(width as usize));
+    for row in &mut rows {
+        let bytes = reader.next_row().map_err(|error| unreadable(error.to_string()))?;
+        let bytes = bytes.ok_or_else(|| unreadable("the picture breaks off".to_owned()))?;
+        row.extend(bytes.data().chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])));
+    }
+    Ok(rows)
+}
+
+fn value(file: &Path, column: usize, rule: &'static str, found: u32) -> ImportError {
+    let (file, line) = (file.to_owned(), column as u64 + 1);
+    ImportError::Value { file, line, column: "encoder", rule, found: found.to_string() }
+}
+
+/// Poses at the revolutions' beginnings: speeds and turning rates added up by the trapezoidal rule.
+fn track(file: &Path) -> Result<Vec<TruePose>, ImportError> {
+    let rows = words::read(file, OXTS)?;
+    let mut pose = TruePose { t_s: 0.0, x_m: 0.0, y_m: 0.0, theta_rad: 0.0, v_m_per_s: None };
+    let mut before: Option<(f64, f64)> = None;
+    let mut track = Vec::with_capacity(rows.len());
+    for (turn, (_, row)) in rows.iter().enumerate() {
+        let (v, omega) = (row[VF], row[WU]);
+        if let Some((v_before, omega_before)) = before {
+            let (way_m, turned_rad) = (TURN_S * (v + v_before) / 2.0, TURN_S * (omega + omega_before) / 2.0);
+            let (sin, cos) = sin_cos(pose.theta_rad + turned_rad / 2.0);
+            pose.x_m -= way_m * sin;
+            pose.y_m += way_m * cos;
+            pose.theta_rad = wrap_rad(pose.theta_rad + turned_rad);
+        }
+        before = Some((v, omega));
+        track.push(TruePose { t_s: turn as f64 * TURN_S, v_m_per_s: Some(v), ..pose });
+    }
+    Ok(track)
+}

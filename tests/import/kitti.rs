@@ -1,0 +1,103 @@
+//! Pictures of a real scanner's firings.
+
+use std::fs::{self, File};
+use std::path::Path;
+
+use asami::import::ImportError;
+use asami::import::kitti::read;
+
+use crate::real;
+
+/// A picture of `columns` firings, with `depth` and `rows` as they should be or not.
+fn picture(path: &Path, columns: u32, rows: u32, sixteen: bool, value: impl Fn(u32, u32) -> u16) {
+    let mut encoder = png::Encoder::new(File::create(path).unwrap(), columns, rows);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(if sixteen { png::BitDepth::Sixteen } else { png::BitDepth::Eight });
+    let values = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
+    let bytes: Vec<u8> = if sixteen {
+        values.flat_map(|(row, column)| value(row, column).to_be_bytes()).collect()
+    } else {
+        values.map(|_| 0).collect()
+    };
+    encoder.write_header().unwrap().write_image_data(&bytes).unwrap();
+}
+
+fn drive(dir: &Path, spoil: impl Fn(u32, u32) -> Option<u16>) {
+    fs::create_dir_all(dir.join("range")).unwrap();
+    for turn in 0..3 {
+        let value = |row: u32, column: u32| match row {
+            64 => (column * 300) as u16,
+            _ => (row * 100 + column) as u16,
+        };
+        let path = dir.join(format!("range/{turn:06}.png"));
+        picture(&path, 120, 65, true, |row, column| spoil(row, column).unwrap_or_else(|| value(row, column)));
+    }
+    let row = |turn: i32| {
+        let fields = (0..30).map(|k| {
+            if k == 8 {
+                "2.0".to_owned()
+            } else if k == 22 {
+                "0.5".to_owned()
+            } else {
+                turn.to_string()
+            }
+        });
+        fields.collect::<Vec<_>>().join(" ")
+    };
+    fs::write(dir.join("oxts.txt"), (0..3).map(row).collect::<Vec<_>>().join("\n")).unwrap();
+}
+
+#[test]
+fn pictures_become_firings_and_speeds_become_a_track() {
+    let dir = tempfile::tempdir().unwrap();
+    drive(dir.path(), |_, _| None);
+    let found = read(dir.path()).unwrap().dataset;
+    let firings = found.log.firings.unwrap();
+    assert_eq!((firings.len(), firings.lasers(), firings.check()), (360, 64, Ok(())));
+    assert_eq!((firings.range_2mm[63][121], firings.range_2mm[0][0], firings.encoder_cdeg[359]), (6301, 0, 35_700));
+    assert!((firings.t_s[180] - 1.5 * 0.1036).abs() < 1e-12);
+    let last = found.truth.track[2];
+    assert!((last.theta_rad - 0.1036).abs() < 1e-12 && last.x_m < 0.0 && (last.y_m - 0.4144).abs() < 1e-3, "{last:?}");
+    assert_eq!(found.log.known.velodyne.as_ref().unwrap().vertical_angles_rad.len(), 64);
+}
+
+#[test]
+fn what_is_no_picture_of_firings_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    assert!(matches!(read(dir.path()), Err(ImportError::Absent { .. })));
+    drive(dir.path(), |row, column| (row == 64 && column == 7).then_some(36_000));
+    let said = read(dir.path()).unwrap_err().to_string();
+    assert!(
+        said.ends_with("000000.png:8: encoder must be an angle in 0..36000 hundredths of a degree, not 36000"),
+        "{said}"
+    );
+    for (columns, rows, sixteen) in [(120, 64, true), (9000, 65, true), (120, 65, false)] {
+        picture(&dir.path().join("range/000000.png"), columns, rows, sixteen, |_, _| 0);
+        assert!(matches!(read(dir.path()), Err(ImportError::Unreadable { .. })), "{columns} {rows} {sixteen}");
+    }
+    let good = fs::read(dir.path().join("range/000001.png")).unwrap();
+    for length in [0, 20, good.len() / 2] {
+        fs::write(dir.path().join("range/000000.png"), &good[..length]).unwrap();
+        assert!(matches!(read(dir.path()), Err(ImportError::Unreadable { .. })), "{length}");
+    }
+}
+
+/// The real revolutions: the best method finds the lasers' angles to the bar, sides of the lasers and all.
+#[test]
+fn the_real_scanner_is_learned() {
+    let Some(source) = real("kitti_drive0005") else { return };
+    let found = read(&source).unwrap().dataset;
+    assert_eq!(found.log.firings.as_ref().unwrap().check(), Ok(()));
+    let learner = asami_learners::Learners::default().configured("car_sides", &Default::default()).unwrap();
+    let learned =
+        learner.learn(&found.log, &Default::default(), &mut asami_dataset::Seed(1000).stream("learner")).unwrap();
+    let Some(asami_dataset::SensorModel::Angles { horizontal_angles_rad, .. }) = learned.models.sensor else {
+        panic!()
+    };
+    let truth = found.truth.survey.unwrap().horizontal_angles_rad;
+    let off: Vec<f64> = horizontal_angles_rad.iter().zip(&truth).map(|(a, b)| (a - b).to_degrees()).collect();
+    let mean = off.iter().sum::<f64>() / 64.0;
+    let rms = (off.iter().map(|e| (e - mean) * (e - mean)).sum::<f64>() / 64.0).sqrt();
+    let worst = off.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+    assert!(rms <= 0.10 && worst <= 0.5, "{rms} and {worst} degrees");
+}
