@@ -63,37 +63,55 @@ pub struct Frames {
 }
 
 /// The share that is common is never quite all: two bearings of one frame must not contradict each other.
-const MOST: f64 = 0.99;
+const MOST: f64 = 0.995;
+
+/// The share to begin with: none at all would stay so.
+const START: f64 = 0.5;
+
+/// How often the two variances are estimated from each other in one M-step.
+const ROUNDS: usize = 30;
 
 impl Frames {
     /// Counts a frame.
     pub fn add(&mut self, sightings: f64, squares: f64, square_of_sum: f64) {
-        if sightings > 1.0 {
+        if sightings > 0.0 {
             self.frames.push([sightings, squares, square_of_sum]);
         }
     }
 
-    /// The next share, if `bearing_var` is the variance of one bearing's error and `share` was the last: the common
-    /// variance that frames' means have beyond what differences within frames account for, by weighted least squares.
-    /// As it was where no frame has several bearings.
+    /// The next variance of one bearing's error and the share of it that is common, after `bearing_var` and `share`;
+    /// `weight` and `squares` are the sums over all sightings, alone in their frames or not.
+    ///
+    /// The common errors are missing data like the states: given `n` errors of a frame they are Gaussian with the mean
+    /// `g sum e` and the variance `g own`, `g = common / (own + n common)` (Laird and Ware 1982, eq. 3.5). `None` where
+    /// no frame has several bearings.
     #[must_use]
-    pub fn share(&self, bearing_var: f64, share: f64) -> f64 {
-        let (mut differences, mut freedom) = (0.0, 0.0);
-        for [k, squares, of_sum] in &self.frames {
-            differences += squares - of_sum / k;
-            freedom += k - 1.0;
+    pub fn split(&self, weight: f64, squares: f64, bearing_var: f64, share: f64) -> Option<(f64, f64)> {
+        let counted = self.frames.iter().fold([0.0; 2], |sum, [n, of, _]| [sum[0] + n, sum[1] + of]);
+        if self.frames.is_empty() {
+            return None;
         }
-        let own = differences / freedom;
-        let (mut common, mut weights) = (0.0, 0.0);
-        for [k, _, of_sum] in &self.frames {
-            // The mean of k errors has the variance common + own / k.
-            let var = bearing_var * (share + (1.0 - share) / k);
-            let weight = 1.0 / (var * var);
-            common += weight * (of_sum / (k * k) - own / k);
-            weights += weight;
+        // Of those alone only the number and the sum of squares count.
+        let alone = [weight - counted[0], squares - counted[1]];
+        let mut common = if share > 0.0 { share } else { START } * bearing_var;
+        let mut own = bearing_var - common;
+        for _ in 0..ROUNDS {
+            let g = common / (own + common);
+            let (mut of_common, mut of_own) = (g * g * alone[1] + alone[0] * g * own, 0.0);
+            let mut frames = alone[0];
+            of_own += (1.0 - g) * (1.0 - g) * alone[1] + alone[0] * g * own;
+            for [n, squares, of_sum] in &self.frames {
+                let g = common / (own + n * common);
+                let second = g * g * of_sum + g * own;
+                of_common += second;
+                of_own += squares - 2.0 * g * of_sum + n * second;
+                frames += 1.0;
+            }
+            (common, own) = (of_common / frames, of_own / weight);
         }
-        let next = common / weights / bearing_var;
-        if next.is_finite() { next.clamp(0.0, MOST) } else { share }
+        let var = common + own;
+        let share = (common / var).clamp(0.0, MOST);
+        (var.is_finite() && share.is_finite() && var > 0.0).then_some((var, share))
     }
 }
 
@@ -138,14 +156,19 @@ mod tests {
         assert!((log_density - expected).abs() < 1e-12, "{log_density} {expected}");
     }
 
-    /// Expected sums of squares lead to the share that they were made with.
+    /// Expected sums of squares are where the estimates stay.
     #[test]
-    fn the_share_is_found_in_its_own_sums() {
+    fn the_truth_is_found_in_its_own_sums() {
         let (bearing_var, share) = (0.02, 0.7);
-        let mut frames = Frames::default();
-        for k in [1.0, 2.0, 3.0, 5.0] {
+        let (mut frames, mut weight) = (Frames::default(), 1.0);
+        for k in [2.0, 3.0, 5.0] {
             frames.add(k, k * bearing_var, k * bearing_var * (1.0 + (k - 1.0) * share));
+            weight += k;
         }
-        assert!((frames.share(bearing_var, 0.2) - share).abs() < 1e-12);
+        let (mut found, squares) = ((0.05, 0.1), weight * bearing_var);
+        for _ in 0..100 {
+            found = frames.split(weight, squares, found.0, found.1).unwrap();
+        }
+        assert!((found.0 / bearing_var - 1.0).abs() < 1e-6 && (found.1 - share).abs() < 1e-6, "{found:?}");
     }
 }

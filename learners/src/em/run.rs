@@ -187,7 +187,7 @@ impl<'a, const N: usize, const M: usize, W: World<N, M>> Run<'a, N, M, W> {
         }
         sums.sensor(&mut next);
         if self.em.one_head && self.method() != Expectation::TwoFilters {
-            sums.common(&mut next);
+            sums.common(lambda, &mut next);
         }
         self.score = sums.score(plane, lambda, &next);
         if let (Some(looks), false) = (&sums.looks, self.unjudged(i)) {

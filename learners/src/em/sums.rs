@@ -155,9 +155,13 @@ impl<'a, const N: usize> Sums<'a, N> {
         self.together.add(k, squares, sum * sum + by.dot(&(gamma.covariance * by)));
     }
 
-    /// The next share of `sigma_2^2` that the bearings of one frame have in common, into `lambda`.
-    pub fn common(&self, lambda: &mut Parameters<N>) {
-        lambda.common_share = self.together.share(lambda.bearing_var, lambda.common_share);
+    /// The next `sigma_2^2`, and the share of it that the bearings of one frame have in common, after `before`, into
+    /// `lambda`.
+    pub fn common(&self, before: &Parameters<N>, lambda: &mut Parameters<N>) {
+        let (var, share) = (before.bearing_var, before.common_share);
+        if let Some((var, share)) = self.together.split(self.weight, self.bearing2, var, share) {
+            (lambda.bearing_var, lambda.common_share) = (var, share);
+        }
     }
 
     fn look(&mut self, look: &LookMoments, seen: &Seen, weight: Weight) {

@@ -27,8 +27,10 @@ pub struct Walker {
     pub motion_sd: [f64; 3],
     /// Where the sensor sits: right, forward.
     pub sensor_origin_m: [f64; 2],
-    /// Whether all bearings of a frame are off alike.
-    pub one_head: bool,
+    /// How far off the camera's axis beacons are seen.
+    pub view_rad: f64,
+    /// Share of the bearings' variance that those of one frame have in common.
+    pub common_share: f64,
     /// Share of sightings replaced by anything.
     pub false_share: f64,
     /// Degree of the true f; 0: the camera's, `38.4 / (d - 0.1) - 1`.
@@ -49,7 +51,8 @@ impl Default for Walker {
             sigma2_rad: 0.5,
             motion_sd: [0.005, 0.005, 0.02],
             sensor_origin_m: [0.0; 2],
-            one_head: false,
+            view_rad: 0.4966,
+            common_share: 0.0,
             false_share: 0.0,
             cubic: false,
             beacons: vec![0, 1, 2, 3],
@@ -121,14 +124,14 @@ impl Walker {
             let head_error = normal(&mut head);
             for (id, place) in (0..).zip(BEACONS) {
                 let (e1, own): (f64, f64) = (normal(&mut sight), normal(&mut sight));
-                let e2 = if self.one_head { head_error } else { own };
+                let e2 = self.common_share.sqrt() * head_error + (1.0 - self.common_share).sqrt() * own;
                 let (odd, recognised) = (sight.random::<f64>(), sight.random::<f64>() < 0.86);
                 let (s, c) = sin_cos(pose[2]);
                 let (dx, dy) = (place[0] - pose[0], place[1] - pose[1]);
                 let x = c * dx + s * dy - self.sensor_origin_m[0];
                 let y = c * dy - s * dx - self.sensor_origin_m[1];
                 let (d, bearing) = (hypot(x, y), atan2(-x, y));
-                let seen = wrap_rad(bearing - pan).abs() < 0.4966 && (1.275..4.175).contains(&d);
+                let seen = wrap_rad(bearing - pan).abs() < self.view_rad && (1.275..4.175).contains(&d);
                 if !(seen && recognised && self.beacons.contains(&id)) {
                     continue;
                 }
