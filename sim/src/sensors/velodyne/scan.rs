@@ -67,10 +67,8 @@ impl Velodyne {
     /// If the track has fewer than two poses, times that do not increase, or numbers that are none.
     pub fn scan(&self, scenery: &Scenery, poses: &[SensorPose], seed: Seed) -> Result<Firings, TrackError> {
         let track = Track::new(poses)?;
-        let [start_s, end_s] = track.span_s();
-        let clock = Clock::new(&self.config, start_s);
-        let count =
-            (((end_s - start_s - self.config.bank_s) * self.config.firing_rate_hz).floor() + 1.0).max(0.0) as usize;
+        let clock = Clock::new(&self.config, track.span_s()[0]);
+        let count = self.count(&track);
         let lasers = self.mounts.len();
         let mut firings = Firings {
             t_s: (0..count as isize).map(|firing| clock.t_s(firing)).collect(),
@@ -85,6 +83,53 @@ impl Velodyne {
             self.scan_block(&drive, block, &mut rows);
         });
         Ok(firings)
+    }
+
+    /// The beams of a track as rays, in the bundles and in the order in which [`Self::scan`] casts them: 4 lasers by 16
+    /// firings that look about the same way, groups of 16 rays being 4 by 4.
+    ///
+    /// # Errors
+    /// Those of [`Self::scan`].
+    pub fn bundles(&self, poses: &[SensorPose]) -> Result<Vec<Bundle>, TrackError> {
+        let track = Track::new(poses)?;
+        let clock = Clock::new(&self.config, track.span_s()[0]);
+        let [least, greatest] = self.lags();
+        let blocks = (self.count(&track) + (greatest - least) as usize).div_ceil(BLOCK);
+        let mut bundles = Vec::new();
+        for block in 0..blocks {
+            let heads = self.heads(&track, &clock, block);
+            self.aim_block(&heads, block, |bundle, _, _| bundles.push(bundle.clone()));
+        }
+        Ok(bundles)
+    }
+
+    /// Firings from the first pose to the last.
+    fn count(&self, track: &Track) -> usize {
+        let [start_s, end_s] = track.span_s();
+        (((end_s - start_s - self.config.bank_s) * self.config.firing_rate_hz).floor() + 1.0).max(0.0) as usize
+    }
+
+    fn heads(&self, track: &Track, clock: &Clock, block: usize) -> Heads {
+        let ([least, greatest], first) = (self.lags(), self.first_of(block));
+        Heads::new(track, clock, self.config.base_rad, first + least..first + greatest + BLOCK as isize)
+    }
+
+    /// Aims a block's bundles one after another, each at the lasers from the one named and, but for their lags, at the firings from the one named.
+    fn aim_block(&self, heads: &Heads, block: usize, mut cast: impl FnMut(&Bundle, usize, isize)) {
+        let mut bundle = Bundle::empty();
+        for step in (0..BLOCK).step_by(FIRINGS) {
+            let at = self.first_of(block) + step as isize;
+            for (lasers, mounts) in self.mounts.chunks(LASERS).enumerate() {
+                // The last bundle of a unit whose lasers do not come by fours has lanes left over.
+                if mounts.len() < LASERS {
+                    bundle = Bundle::empty();
+                }
+                for (slot, mount) in mounts.iter().enumerate() {
+                    heads.aim(mount, at + mount.lag, slot, &mut bundle);
+                }
+                cast(&bundle, LASERS * lasers, at);
+            }
+        }
     }
 
     /// Least and greatest lag of a laser.
@@ -123,29 +168,16 @@ impl Velodyne {
 
     fn scan_block(&self, drive: &Drive, block: usize, rows: &mut [Row]) {
         let Drive { scenery, track, clock, meter, seed } = drive;
-        let [least, greatest] = self.lags();
-        let first = self.first_of(block);
-        let heads = Heads::new(track, clock, self.config.base_rad, first + least..first + greatest + BLOCK as isize);
         let mut noise = seed.stream(&format!("velodyne/range/{block}"));
         let mut chance = seed.stream(&format!("velodyne/loss/{block}"));
-        let (mut bundle, mut hits) = (Bundle::empty(), Hits::none());
-        for step in (0..BLOCK).step_by(FIRINGS) {
-            let at = first + step as isize;
-            for (mounts, rows) in self.mounts.chunks(LASERS).zip(rows.chunks_mut(LASERS)) {
-                // The last bundle of a unit whose lasers do not come by fours has lanes left over.
-                if mounts.len() < LASERS {
-                    bundle = Bundle::empty();
-                }
-                for (slot, mount) in mounts.iter().enumerate() {
-                    heads.aim(mount, at + mount.lag, slot, &mut bundle);
-                }
-                scenery.caster().cast(&bundle, meter.reach_m(), &mut hits);
-                let readings = meter.read(scenery, &bundle, &hits, &draw(&mut noise), &draw(&mut chance));
-                for (slot, (mount, row)) in mounts.iter().zip(rows).enumerate() {
-                    row.take(&readings, slot, at + mount.lag);
-                }
+        let mut hits = Hits::none();
+        self.aim_block(&self.heads(track, clock, block), block, |bundle, laser, at| {
+            scenery.caster().cast(bundle, meter.reach_m(), &mut hits);
+            let readings = meter.read(scenery, bundle, &hits, &draw(&mut noise), &draw(&mut chance));
+            for (slot, (mount, row)) in self.mounts.iter().zip(&mut *rows).skip(laser).take(LASERS).enumerate() {
+                row.take(&readings, slot, at + mount.lag);
             }
-        }
+        });
     }
 }
 
