@@ -5,9 +5,9 @@ use super::{Bvh, DEEPEST, LEAF, Node, PADDING, Pair};
 use crate::facet::Facet;
 
 /// A leaf has at most so many triangles, unless they cannot be told apart.
-const LEAF_TRIANGLES: usize = 4;
+const LEAF_TRIANGLES: usize = 8;
 /// A visit of a box, in tests of triangles.
-const VISIT: f32 = 1.0;
+const VISIT: f32 = 2.0;
 /// From this depth on, items are halved: 2^31 of them are then single before [`DEEPEST`].
 const DEEP: usize = DEEPEST - 40;
 
