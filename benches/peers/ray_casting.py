@@ -56,8 +56,8 @@ def embree_packets(folder, vertices, triangles, rays, reach):
     """Name and caster of every mode of Embree's own interface."""
     try:
         import embreex
-    except ImportError:
-        print("Embree is left out: there is no Python package 'embreex' (pip install embreex)")
+    except ImportError as missing:
+        print(f"Embree is left out: {missing} (pip install embreex)")
         return {}
     found = sorted(pathlib.Path(embreex.__file__).parent.parent.glob("embreex*/**/libembree4*.so*"))
     if not found:
@@ -120,8 +120,8 @@ def embreex_scene(vertices, triangles, rays, reach):
 def open3d_scene(vertices, triangles, rays, reach):
     try:
         import open3d
-    except ImportError:
-        print("Open3D is left out: there is no Python package 'open3d' (pip install open3d)")
+    except ImportError as missing:
+        print(f"Open3D is left out: {missing} (pip install open3d; it also needs the system's libusb and OpenGL)")
         return {}
     scene = open3d.t.geometry.RaycastingScene(nthreads=1)
     scene.add_triangles(open3d.core.Tensor(vertices[:-1]), open3d.core.Tensor(triangles))
