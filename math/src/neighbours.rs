@@ -16,7 +16,7 @@ pub struct Neighbours {
     starts: Vec<u32>,
     points: Vec<[f64; 2]>,
     indices: Vec<u32>,
-    /// How many cells away the nearest cell with a point is, at each cell: as the king moves.
+    /// How many cells away the nearest cell with a point is, at each cell: as the king moves. Empty where it was not measured.
     away: Vec<u16>,
 }
 
@@ -25,6 +25,14 @@ impl Neighbours {
     /// are left out.
     #[must_use]
     pub fn new(points: &[[f64; 2]], cell: f64) -> Self {
+        let mut grid = Self::near(points, cell);
+        grid.measure();
+        grid
+    }
+
+    /// The same, made in less time, for queries that find a point nearby: those that do not take longer.
+    #[must_use]
+    pub fn near(points: &[[f64; 2]], cell: f64) -> Self {
         let finite = |p: &[f64; 2]| p[0].is_finite() && p[1].is_finite();
         let kept: Vec<u32> =
             (0..points.len().min(u32::MAX as usize - 1)).filter(|&i| finite(&points[i])).map(|i| i as u32).collect();
@@ -54,7 +62,6 @@ impl Neighbours {
             away: Vec::new(),
         };
         grid.sort(points, &kept);
-        grid.measure();
         grid
     }
 
@@ -78,28 +85,33 @@ impl Neighbours {
 
     /// Two passes of the chessboard distance transform (Rosenfeld and Pfaltz 1968).
     fn measure(&mut self) {
-        let [columns, rows] = self.size;
-        let filled = |cell: usize| self.starts[cell + 1] > self.starts[cell];
-        let mut away: Vec<u16> =
-            (0..(columns * rows) as usize).map(|cell| if filled(cell) { 0 } else { u16::MAX }).collect();
-        let mut pass = |cells: &mut dyn Iterator<Item = i64>, sign: i64| {
-            for cell in cells {
-                if away[cell as usize] == 0 {
-                    continue;
-                }
-                let (x, y) = (cell % columns, cell / columns);
-                for (dx, dy) in [(-1, 0), (-1, -1), (0, -1), (1, -1)] {
-                    let (nx, ny) = (x + sign * dx, y + sign * dy);
-                    if (0..columns).contains(&nx) && (0..rows).contains(&ny) {
-                        let beside = away[(ny * columns + nx) as usize].saturating_add(1);
-                        away[cell as usize] = away[cell as usize].min(beside);
-                    }
+        let [columns, rows] = self.size.map(|n| n as usize);
+        // A border of cells that are far from everything spares the edges a case of their own.
+        let wide = columns + 2;
+        let mut away = vec![u16::MAX - 1; wide * (rows + 2)];
+        for y in 0..rows {
+            for x in 0..columns {
+                let cell = y * columns + x;
+                if self.starts[cell + 1] > self.starts[cell] {
+                    away[(y + 1) * wide + x + 1] = 0;
                 }
             }
-        };
-        pass(&mut (0..columns * rows), 1);
-        pass(&mut (0..columns * rows).rev(), -1);
-        self.away = away;
+        }
+        for y in 1..=rows {
+            let (above, row) = away[(y - 1) * wide..(y + 1) * wide].split_at_mut(wide);
+            for x in 1..=columns {
+                let least = row[x - 1].min(above[x - 1]).min(above[x]).min(above[x + 1]);
+                row[x] = row[x].min(least.saturating_add(1));
+            }
+        }
+        for y in (1..=rows).rev() {
+            let (row, below) = away[y * wide..(y + 2) * wide].split_at_mut(wide);
+            for x in (1..=columns).rev() {
+                let least = row[x + 1].min(below[x - 1]).min(below[x]).min(below[x + 1]);
+                row[x] = row[x].min(least.saturating_add(1));
+            }
+        }
+        self.away = (1..=rows).flat_map(|y| away[y * wide + 1..(y + 1) * wide - 1].iter().copied()).collect();
     }
 
     /// The points, in the grid's own order.
@@ -144,7 +156,8 @@ impl Neighbours {
         let margin = (0..2).map(|k| (place[k] - at[k] as f64).min(1.0 - (place[k] - at[k] as f64))).fold(1.0, f64::min);
         let inside = (0..columns).contains(&at[0]) && (0..rows).contains(&at[1]);
         let outside = |k: usize| (-at[k]).max(at[k] - self.size[k] + 1).max(0);
-        let mut ring = if inside { i64::from(self.away[self.index(at)]) } else { outside(0).max(outside(1)) };
+        let known = || self.away.get(self.index(at)).copied().map_or(0, i64::from);
+        let mut ring = if inside { known() } else { outside(0).max(outside(1)) };
         let last = ring + far as i64;
         while ring <= last {
             // All of this ring lies at least so far away; a hair less for the rounding of cells.
@@ -189,8 +202,9 @@ impl Neighbours {
         }
     }
 
-    /// Calls `with` for every point of the cells within `radius` of `point`, in the grid's order.
-    pub fn around(&self, point: [f64; 2], radius: f64, mut with: impl FnMut([f64; 2])) {
+    /// Calls `with` for the points of the cells within `radius` of `point`, in the grid's order: for all of a row of cells, or evenly for
+    /// about `most` where there are more.
+    pub fn around(&self, point: [f64; 2], radius: f64, most: usize, mut with: impl FnMut([f64; 2])) {
         if !(point[0].is_finite() && point[1].is_finite() && radius >= 0.0 && radius.is_finite()) {
             return;
         }
@@ -199,7 +213,8 @@ impl Neighbours {
         let (from, to) = (cell(0, point[0] - radius), cell(0, point[0] + radius));
         for y in cell(1, point[1] - radius)..=cell(1, point[1] + radius) {
             let (first, last) = (self.index([from, y]), self.index([to, y]));
-            self.points[self.starts[first] as usize..self.starts[last + 1] as usize].iter().for_each(|p| with(*p));
+            let row = &self.points[self.starts[first] as usize..self.starts[last + 1] as usize];
+            row.iter().step_by(row.len() / most.max(1) + 1).for_each(|p| with(*p));
         }
     }
 
@@ -239,11 +254,12 @@ mod tests {
                 let found = grid.nearest(query, radius, Some(hint));
                 prop_assert_eq!(found.map(|f| f.1), brute_force(&points, query, radius));
                 prop_assert_eq!(grid.nearest(query, radius, None), found);
+                prop_assert_eq!(Neighbours::near(&points, cell).nearest(query, radius, None), found);
                 if let Some((place, _)) = found {
                     prop_assert_eq!(points[grid.index_of(place).unwrap()], grid.points()[place]);
                 }
                 let mut within = 0;
-                grid.around(query, radius, |p| within += usize::from(squared_distance(p, query) <= radius * radius));
+                grid.around(query, radius, usize::MAX, |p| within += usize::from(squared_distance(p, query) <= radius * radius));
                 prop_assert_eq!(within, points.iter().filter(|p| squared_distance(**p, query) <= radius * radius).count());
             }
         }
@@ -256,7 +272,7 @@ mod tests {
         ) {
             let grid = Neighbours::new(&points, cell);
             let _ = grid.nearest(query, radius, None);
-            grid.around(query, radius, |_| ());
+            grid.around(query, radius, 3, |_| ());
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Iterative closest points in the plane (Algorithm 2), to points or to lines.
 
+use std::cell::OnceCell;
+
 use asami_math::neighbours::Neighbours;
 use asami_math::rigid::{Rigid, rotate};
 use nalgebra::{Matrix3, Vector3};
@@ -30,19 +32,35 @@ pub struct Matching {
     pub tolerance_m: f64,
     /// Stops after so many passes.
     pub max_passes: u32,
+    /// At first every so-manieth point is matched, until they would move by less than twenty tolerances; only then all. 1: all at once.
+    pub coarse: usize,
 }
 
 impl Matching {
     /// Algorithm 2: point to point, with a fixed gate of 7 m.
     #[must_use]
     pub fn published() -> Self {
-        Self { distance: Distance::Points, gate_m: 7.0, shrink: f64::INFINITY, tolerance_m: 1e-4, max_passes: 100 }
+        Self {
+            distance: Distance::Points,
+            gate_m: 7.0,
+            shrink: f64::INFINITY,
+            tolerance_m: 1e-4,
+            max_passes: 100,
+            coarse: 1,
+        }
     }
 
     /// Point to line, the gate shrinking from 7 m to three root-mean-square distances.
     #[must_use]
     pub fn lines(scale_m: f64) -> Self {
-        Self { distance: Distance::Lines { scale_m }, shrink: 3.0, max_passes: 60, ..Self::published() }
+        Self {
+            distance: Distance::Lines { scale_m },
+            shrink: 3.0,
+            tolerance_m: 5e-4,
+            max_passes: 60,
+            coarse: 8,
+            ..Self::published()
+        }
     }
 }
 
@@ -51,22 +69,37 @@ impl Matching {
 pub struct Target {
     grid: Neighbours,
     /// Of the line at each point, in the grid's order; none where the points around it are no line. Empty for point to point.
-    normals: Vec<Option<[f64; 2]>>,
+    /// Found when they are asked for.
+    normals: Vec<OnceCell<Option<[f64; 2]>>>,
 }
+
+/// Coarse matching ends when the points would move by less than so many tolerances, or where fewer than so many count.
+const COARSE: f64 = 20.0;
+const FEW: usize = 100;
 
 /// Side of the cells, and radius within which a line is laid through the points.
 const CELL_M: f64 = 0.5;
+
+/// Points of a row of cells that a line is laid through; of more, evenly so many.
+const MOST: usize = 12;
 
 impl Target {
     /// Prepares a cloud for matching.
     #[must_use]
     pub fn new(points: &[[f64; 2]], matching: &Matching) -> Self {
-        let grid = Neighbours::new(points, CELL_M);
+        // Where the gate shrinks few queries look far.
+        let shrinks = matching.shrink.is_finite();
+        let grid = if shrinks { Neighbours::near(points, CELL_M) } else { Neighbours::new(points, CELL_M) };
         let normals = match matching.distance {
             Distance::Points => Vec::new(),
-            Distance::Lines { .. } => grid.points().iter().map(|point| normal(&grid, *point)).collect(),
+            Distance::Lines { .. } => vec![OnceCell::new(); grid.points().len()],
         };
         Self { grid, normals }
+    }
+
+    fn normal(&self, place: usize) -> Option<[f64; 2]> {
+        let found = || self.grid.points().get(place).and_then(|point| normal(&self.grid, *point));
+        *self.normals.get(place)?.get_or_init(found)
     }
 
     /// How many points it has.
@@ -85,7 +118,7 @@ impl Target {
 /// Across the line through the points around `point`, if they are one: their scatter across is less than a fifth of that along.
 fn normal(grid: &Neighbours, point: [f64; 2]) -> Option<[f64; 2]> {
     let (mut n, mut sums) = (0.0, [0.0; 5]);
-    grid.around(point, CELL_M, |p| {
+    grid.around(point, CELL_M, MOST, |p| {
         let (dx, dy) = (p[0] - point[0], p[1] - point[1]);
         if dx * dx + dy * dy <= CELL_M * CELL_M {
             n += 1.0;
@@ -131,11 +164,16 @@ pub fn align(source: &[[f64; 2]], target: &Target, start: Rigid, matching: &Matc
     let mut gate_m = matching.gate_m;
     let mut hints: Vec<Option<usize>> = vec![None; source.len()];
     let mut passes = 0;
+    let mut stride = matching.coarse.max(1);
     loop {
         passes += 1;
-        let sums = gather(source, target, &motion, gate_m, matching.distance, &mut hints);
+        let sums = gather(source, target, &motion, gate_m, matching.distance, &mut hints, stride);
         if sums.counted < 10 {
-            return None;
+            if stride == 1 {
+                return None;
+            }
+            stride = 1;
+            continue;
         }
         let cholesky = sums.normal.cholesky()?;
         let update = cholesky.solve(&sums.right);
@@ -144,6 +182,12 @@ pub fn align(source: &[[f64; 2]], target: &Target, start: Rigid, matching: &Matc
         let moved_m = (update[1] * update[1] + update[2] * update[2]).sqrt() + 10.0 * update[0].abs();
         if !moved_m.is_finite() {
             return None;
+        }
+        if stride > 1
+            && (moved_m < COARSE * matching.tolerance_m || sums.counted < FEW || passes >= matching.max_passes / 2)
+        {
+            stride = 1;
+            continue;
         }
         if moved_m < matching.tolerance_m || passes >= matching.max_passes {
             let inverse = cholesky.inverse();
@@ -174,12 +218,13 @@ fn gather(
     gate_m: f64,
     distance: Distance,
     hints: &mut [Option<usize>],
+    stride: usize,
 ) -> Sums {
     let [cos, sin] = rotate(motion.turn_rad, [1.0, 0.0]);
     let (mut counted, mut weight_sum, mut residual_ss, mut distance_ss) = (0usize, 0.0, 0.0, 0.0);
     // Upper triangle, and the right-hand side.
     let (mut h, mut g) = ([0.0; 6], [0.0; 3]);
-    for (point, hint) in source.iter().zip(hints) {
+    for (point, hint) in source.iter().zip(hints).step_by(stride) {
         let turned = [cos * point[0] - sin * point[1], sin * point[0] + cos * point[1]];
         let at = [turned[0] + motion.x, turned[1] + motion.y];
         let found = target.grid.nearest(at, gate_m, *hint);
@@ -200,7 +245,7 @@ fn gather(
                 weight_sum += 1.0;
             }
             Distance::Lines { scale_m } => {
-                let Some([nx, ny]) = target.normals.get(place).copied().flatten() else { continue };
+                let Some([nx, ny]) = target.normal(place) else { continue };
                 let residual = error[0] * nx + error[1] * ny;
                 let weight = 1.0 / (1.0 + (residual / scale_m) * (residual / scale_m));
                 let j = [ny * turned[0] - nx * turned[1], nx, ny];

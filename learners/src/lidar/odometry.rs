@@ -47,6 +47,13 @@ impl Motion {
     }
 }
 
+/// The first of two passes stops at so many tolerances, and thins points out over squares so much larger.
+const ROUGH: f64 = 10.0;
+const COARSER: f64 = 2.5;
+
+/// The gate of the second pass at most.
+const NEAR_M: f64 = 1.5;
+
 /// Scans, matched one to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct Odometry<'a> {
@@ -94,23 +101,31 @@ impl Odometry<'_> {
                 (a, b) => a.or(b),
             })
             .collect();
-        let steady = |k: usize| self.steady(k, rates[k]);
-        let pair = |i: usize| {
-            let start = first[i]?.later_from_earlier;
-            let target = Target::new(&steady(i), &self.matching);
-            Some(self.motion(i, align(&steady(i + 1), &target, start, &self.matching)?))
-        };
-        (0..self.scans.len().saturating_sub(1)).map(pair).collect()
+        // The first pass came near: nothing needs to be looked for far off.
+        let fine = Matching { gate_m: self.matching.gate_m.min(NEAR_M), coarse: 1, ..self.matching };
+        let mut earlier = self.scans.first().map(|_| self.steady(0, rates[0]));
+        (0..self.scans.len().saturating_sub(1))
+            .map(|i| {
+                let later = self.steady(i + 1, rates[i + 1]);
+                let target = earlier.replace(later).map(|points| Target::new(&points, &fine))?;
+                let start = first[i]?.later_from_earlier;
+                Some(self.motion(i, align(earlier.as_ref()?, &target, start, &fine)?))
+            })
+            .collect()
     }
 
     fn first_pass(&self) -> Vec<Option<Motion>> {
+        // Only speeds are wanted yet: fewer points do.
+        let rough = Matching { tolerance_m: ROUGH * self.matching.tolerance_m, ..self.matching };
+        let thinned = Self { cut: Cut { square_m: COARSER * self.cut.square_m, ..self.cut }, ..*self };
         let mut speed: Option<Rigid> = None;
         (0..self.scans.len().saturating_sub(1))
             .map(|i| {
-                let target = Target::new(&self.steady(i, speed), &self.matching);
+                // Both set back at one speed: errors of the speed that differ from scan to scan would feed on themselves.
+                let (earlier, later) = (thinned.steady(i, speed), thinned.steady(i + 1, speed));
                 let dt_s = self.scans[i + 1].t_s - self.scans[i].t_s;
                 let start = speed.map_or(Rigid::default(), |speed| scaled(&speed, dt_s));
-                let found = align(&self.steady(i + 1, speed), &target, start, &self.matching);
+                let found = align(&later, &Target::new(&earlier, &rough), start, &rough);
                 let motion = found.map(|matched| self.motion(i, matched));
                 speed = motion.as_ref().map(rate);
                 motion
