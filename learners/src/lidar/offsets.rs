@@ -99,8 +99,11 @@ fn line(rows: &[[f64; 3]]) -> Option<(f64, f64)> {
     (rows.len() >= 3 && xx > 1e-9).then(|| (xy / xx, xx))
 }
 
+/// Offsets are believed in if they leave no more than this share of the misfit that lasers on the axis leave.
+const TOLD: f64 = 0.35;
+
 /// Offsets of all lasers that fit the slopes best: all as far off, on the sides that `offsets` says or the slopes tell. Zeros where
-/// nothing tells.
+/// lasers on the axis do about as well.
 #[must_use]
 pub fn from_slopes(lasers: usize, slopes: &[Slope], offsets: Offsets) -> Vec<f64> {
     let sides = match offsets {
@@ -109,7 +112,9 @@ pub fn from_slopes(lasers: usize, slopes: &[Slope], offsets: Offsets) -> Vec<f64
         Offsets::Sides => regular(lasers, slopes),
     };
     let a_m = distance(slopes, &sides);
-    sides.iter().map(|side| side * a_m).collect()
+    let on_axis = misfit(slopes, 0.0, |_| 1.0, None);
+    let told = misfit(slopes, a_m, |l| sides[l], None) <= TOLD * on_axis;
+    sides.iter().map(|side| if told { side * a_m } else { 0.0 }).collect()
 }
 
 /// How far off the axis, if lasers sit on these sides: the weighted median over the pairs with a laser on each.

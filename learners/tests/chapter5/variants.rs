@@ -47,3 +47,15 @@ fn offsets_off_the_axis_are_found_and_undone() {
         assert!(off_axis < 0.5 * on_axis, "{name}: {off_axis} and {on_axis}");
     }
 }
+
+#[test]
+fn lasers_on_the_axis_get_no_offset() {
+    let driven = Ride { firings: 1000, turns: 20, ..Ride::default() }.drive();
+    let sensor = Sensor::graph(23.0, 5.0, 2.0);
+    let drive = Drive::try_from(&driven.log).unwrap();
+    let angles = sensor.learn(&drive).unwrap();
+    let slopes = slopes(&sensor, &drive, &angles.angle_rad, 3);
+    for offsets in [Offsets::Alternating, Offsets::Sides] {
+        assert_eq!(from_slopes(12, &slopes, offsets), [0.0; 12], "{offsets:?}");
+    }
+}
