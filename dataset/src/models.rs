@@ -97,6 +97,19 @@ pub struct Noise {
     /// Of the motion, in the robot frame: standard deviation rightward in m, forward in m, and of the turn
     /// in rad, a step of the learner (a frame of median length).
     pub motion_sd: Option<[f64; 3]>,
+    /// Standard errors of these, as far as they are known.
+    pub se: NoiseErrors,
+}
+
+/// Standard errors of what was learned of the noise, each in the unit of its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NoiseErrors {
+    /// Of `sigma1_px` or `sigma1_m`.
+    pub sigma1: Option<f64>,
+    /// Of `sigma2_rad`.
+    pub sigma2_rad: Option<f64>,
+    /// Of `motion_sd`.
+    pub motion_sd: Option<[f64; 3]>,
 }
 
 /// Learned or given models; a part that was not learned is `None`.

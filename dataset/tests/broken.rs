@@ -61,7 +61,7 @@ const MODELS: &str = "schema = 1\nlearner = \"em_published\"\n[action]\nkind = \
     entries = [{ action = 0, vx_m_per_s = 0.0, vy_m_per_s = 0.21, vtheta_rad_per_s = 0.1, se = [0.004, 0.004, 0.01] }]\n\
     [sensor]\nkind = \"height_of_distance\"\ncoefficients = [30.1, -8.2, 2.0, -0.3]\ncentre = 2.4\nscale = 1.2\n\
     se = [0.02, 0.02, 0.03, 0.02]\n[noise]\nsigma1_px = 1.62\nsigma2_rad = 0.026\n\
-    motion_sd = [0.01, 0.01, 0.1]\n";
+    motion_sd = [0.01, 0.01, 0.1]\nsigma1_se = 0.02\nsigma2_rad_se = 0.001\nmotion_sd_se = [0.001, 0.001, 0.01]\n";
 
 fn files(of: Set) -> Files {
     of.iter().map(|(name, text)| (*name, text.as_bytes().to_vec())).collect()

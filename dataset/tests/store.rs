@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use asami_dataset::log::{RangeBearing, Velodyne};
-use asami_dataset::models::{Curve, Entry};
+use asami_dataset::models::{Curve, Entry, NoiseErrors};
 use asami_dataset::survey::{Height, Speed, Velocity};
 use asami_dataset::{
     Action, ActionModel, Beacon, Camera, Command, Dataset, Frame, Known, Log, Models, Noise, Odometry, Provenance,
@@ -247,8 +247,12 @@ fn models() -> impl Strategy<Value = Models> {
         angles,
     ];
     let motion = option::of((positive(), positive(), positive()).prop_map(|(x, y, theta)| [x, y, theta]));
-    let noise = (option::of(positive()), option::of(positive()), option::of(positive()), motion)
-        .prop_map(|(sigma1_px, sigma1_m, sigma2_rad, motion_sd)| Noise { sigma1_px, sigma1_m, sigma2_rad, motion_sd });
+    let motion_se = option::of((positive(), positive(), positive()).prop_map(|(x, y, theta)| [x, y, theta]));
+    let se = (option::of(positive()), option::of(positive()), motion_se)
+        .prop_map(|(sigma1, sigma2_rad, motion_sd)| NoiseErrors { sigma1, sigma2_rad, motion_sd });
+    let noise = (option::of(positive()), option::of(positive()), option::of(positive()), motion, se).prop_map(
+        |(sigma1_px, sigma1_m, sigma2_rad, motion_sd, se)| Noise { sigma1_px, sigma1_m, sigma2_rad, motion_sd, se },
+    );
     (option::of(action), option::of(sensor), noise).prop_map(|(action, sensor, noise)| Models { action, sensor, noise })
 }
 

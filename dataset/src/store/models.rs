@@ -9,7 +9,7 @@ use super::error::{ReadError, WriteError, Wrong};
 use super::keys::{Keys, Source};
 use super::rule::Rule;
 use super::toml_text::{Toml, list, pairs};
-use crate::models::{ActionModel, Curve, Entry, Models, Noise, SensorModel};
+use crate::models::{ActionModel, Curve, Entry, Models, Noise, NoiseErrors, SensorModel};
 use asami_math::polynomial::Polynomial;
 
 /// More coefficients than any model here has.
@@ -150,6 +150,11 @@ fn noise(mut keys: Keys<'_>) -> Result<Noise, ReadError> {
         sigma1_m: keys.maybe_number("sigma1_m", Rule::NotNegative)?,
         sigma2_rad: keys.maybe_number("sigma2_rad", Rule::NotNegative)?,
         motion_sd: keys.maybe_array("motion_sd", Rule::NotNegative)?,
+        se: NoiseErrors {
+            sigma1: keys.maybe_number("sigma1_se", Rule::NotNegative)?,
+            sigma2_rad: keys.maybe_number("sigma2_rad_se", Rule::NotNegative)?,
+            motion_sd: keys.maybe_array("motion_sd_se", Rule::NotNegative)?,
+        },
     };
     keys.close()?;
     Ok(noise)
@@ -173,6 +178,12 @@ fn text(learner: &str, models: &Models) -> String {
         toml.maybe_number("sigma2_rad", models.noise.sigma2_rad);
         if let Some(motion_sd) = &models.noise.motion_sd {
             toml.numbers("motion_sd", motion_sd);
+        }
+        let se = &models.noise.se;
+        toml.maybe_number("sigma1_se", se.sigma1);
+        toml.maybe_number("sigma2_rad_se", se.sigma2_rad);
+        if let Some(motion_sd) = &se.motion_sd {
+            toml.numbers("motion_sd_se", motion_sd);
         }
     }
     toml.finish()

@@ -78,14 +78,17 @@ fn bound(joint: &Joint, truth: &Estimate, sensor: SizeCurve) -> Option<PlaneBoun
     let velocities = actions.filter_map(|(a, action)| Some((action.id?, [0, 1, 2].map(|i| se(3 * a + i))))).collect();
     let first = 3 * joint.plane.actions.len();
     let of_sensor = covariance[first..].iter().map(|row| row[first..].to_vec()).collect();
-    let information = noise_information(joint, truth)?;
-    let factor = cholesky(&information)?;
-    let noise_shares = std::array::from_fn(|i| {
+    Some(PlaneBound { velocities, noise_shares: noise_shares(joint, truth)?, sensor: (sensor, of_sensor) })
+}
+
+/// Standard errors of the noise as shares of itself, by kind.
+pub(super) fn noise_shares(joint: &Joint, estimate: &Estimate) -> Option<[f64; KINDS]> {
+    let factor = cholesky(&noise_information(joint, estimate)?)?;
+    Some(std::array::from_fn(|i| {
         let unit: Vec<f64> = (0..KINDS).map(|j| f64::from(u8::from(i == j))).collect();
         // Of ln sigma: half that of ln sigma^2.
         0.5 * cholesky_solve(&factor, &unit)[i].max(0.0).sqrt()
-    });
-    Some(PlaneBound { velocities, noise_shares, sensor: (sensor, of_sensor) })
+    }))
 }
 
 /// Expected information of the logarithms of the variances, poses and parameters unknown:

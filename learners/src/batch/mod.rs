@@ -10,6 +10,7 @@ mod spread;
 #[cfg(test)]
 mod tests;
 
+use asami_dataset::models::NoiseErrors;
 use asami_dataset::{Log, Models, Rng};
 use asami_math::kalman::Gaussian;
 
@@ -58,8 +59,15 @@ impl Learner for Batch {
         let mut search = Search::new(self, joint, Estimate::of(&lambda, poses(&states))).ok_or_else(broke)?;
         let verdict = search.climb();
         let errors = information::errors(&plane, &information::variances(&search.system.border_inverse()), true);
+        let mut models = search.joint.parameters(&search.estimate).models(&plane, Some(&errors));
+        if let Some(shares) = bound::noise_shares(&search.joint, &search.estimate) {
+            let [sigma1, sigma2_rad, motion_sd @ ..]: [f64; 5] =
+                std::array::from_fn(|kind| shares[kind] * search.estimate.variances[kind].sqrt());
+            models.noise.se =
+                NoiseErrors { sigma1: Some(sigma1), sigma2_rad: Some(sigma2_rad), motion_sd: Some(motion_sd) };
+        }
         Ok(Learned {
-            models: search.joint.parameters(&search.estimate).models(&plane, Some(&errors)),
+            models,
             verdict,
             iterations: Some(search.solves),
             lacks: em::lacks(&plane, given, false),

@@ -1,9 +1,11 @@
 //! How sure the learner may be of what it learned.
 
-use asami_dataset::Models;
+use asami_dataset::models::NoiseErrors;
+use asami_dataset::{Models, Noise};
+use asami_math::decomposition::{cholesky, cholesky_solve};
 
 use super::filter::About;
-use super::parameters::Parameters;
+use super::parameters::{Parameters, axes};
 use super::run::Run;
 use super::world::World;
 use super::{MotionNoise, Structure, information, noise, smoother, structure};
@@ -16,16 +18,38 @@ impl<const N: usize, const M: usize, W: World<N, M>> Run<'_, N, M, W> {
             let _ = self.restrict(&mut lambda);
         }
         let Some(information) = self.information(&lambda) else { return lambda.models(plane, None) };
-        if self.em.structure == Structure::Smooth
-            && let Some(shared) = structure::shared(plane, N, &lambda.means(), &information)
-        {
-            lambda.set_means(&shared.parameters);
-            return lambda
-                .models(plane, Some(&information::errors(plane, &information::variances(&shared.covariance), true)));
-        }
-        let covariance = information::covariance(&information);
-        lambda
-            .models(plane, covariance.map(|c| information::errors(plane, &information::variances(&c), false)).as_ref())
+        let shares = self.noise_shares(&lambda);
+        let shared = (self.em.structure == Structure::Smooth)
+            .then(|| structure::shared(plane, N, &lambda.means(), &information))
+            .flatten();
+        let variances = match &shared {
+            Some(shared) => {
+                lambda.set_means(&shared.parameters);
+                Some(information::variances(&shared.covariance))
+            }
+            None => information::covariance(&information).map(|c| information::variances(&c)),
+        };
+        let errors = variances.map(|variances| information::errors(plane, &variances, shared.is_some()));
+        let mut models = lambda.models(plane, errors.as_ref());
+        models.noise.se =
+            shares.map_or_else(NoiseErrors::default, |shares| errors_of_noise::<N>(&models.noise, &shares));
+        models
+    }
+
+    /// Standard errors of the noise as shares of itself: of the motion along each axis, where it is learned, then of size
+    /// and bearing. About the trajectory smoothed last.
+    fn noise_shares(&self, lambda: &Parameters<N>) -> Option<Vec<Option<f64>>> {
+        let derivatives = noise::derivatives(self.problem, lambda, &self.smoothed, &self.weights)?;
+        let given = if self.em.motion == MotionNoise::Given { N } else { 0 };
+        let information: Vec<Vec<f64>> =
+            derivatives.information[given..].iter().map(|row| row[given..].to_vec()).collect();
+        let l = cholesky(&information)?;
+        // Of ln sigma: half that of ln sigma^2.
+        let share = |i: usize| {
+            let unit: Vec<f64> = (0..information.len()).map(|k| f64::from(u8::from(k == i))).collect();
+            Some(0.5 * cholesky_solve(&l, &unit)[i].max(0.0).sqrt()).filter(|share| share.is_finite())
+        };
+        Some(std::iter::repeat_n(None, given).chain((0..information.len()).map(share)).collect())
     }
 
     /// Makes up for what the velocities have taken of the motion's noise: from the greatest likelihood to the
@@ -71,5 +95,22 @@ impl<const N: usize, const M: usize, W: World<N, M>> Run<'_, N, M, W> {
         let (problem, weights) = (self.problem, &mut self.weights);
         self.forward.run(problem, lambda, About::Own, weights, false)?;
         smoother::backward(problem, lambda, About::Own, &self.forward, weights, &mut self.smoothed, None)
+    }
+}
+
+/// Standard errors of noise, out of their shares of it.
+fn errors_of_noise<const N: usize>(noise: &Noise, shares: &[Option<f64>]) -> NoiseErrors {
+    let of = |value: Option<f64>, i: usize| Some(value? * shares.get(i).copied().flatten()?);
+    let motion_sd = noise.motion_sd.filter(|_| shares[..N].iter().all(Option::is_some)).map(|sd| {
+        let mut se = [0.0; 3];
+        for (i, axis) in axes::<N>().into_iter().enumerate() {
+            se[axis] = of(Some(sd[axis]), i).unwrap_or(0.0);
+        }
+        se
+    });
+    NoiseErrors {
+        sigma1: of(noise.sigma1_px.or(noise.sigma1_m), N),
+        sigma2_rad: of(noise.sigma2_rad, N + 1),
+        motion_sd,
     }
 }

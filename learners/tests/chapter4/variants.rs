@@ -101,3 +101,23 @@ fn standard_errors_cover_the_truth() {
     let mean = covered.iter().sum::<f64>() / covered.len() as f64;
     assert!((0.9..0.98).contains(&mean), "{covered:?}");
 }
+
+/// Normalised by their standard errors, the noise's errors over several logs have mean squares of about 1: that of 20
+/// numbers has a standard deviation of 0.32 if they are independent.
+#[test]
+fn standard_errors_of_the_noise_fit_its_errors() {
+    let walker = Walker { steps: 4_000, sigma2_rad: 0.1, cubic: true, ..Walker::default() };
+    for name in ["em_noise", "batch"] {
+        let mut squares = 0.0;
+        for seed in 1010..1020 {
+            let noise = learn(name, &[], &walker.log(seed), &truth(&walker)).unwrap().models.noise;
+            let off =
+                |value: Option<f64>, truth: f64, se: Option<f64>| ((value.unwrap() - truth) / se.unwrap()).powi(2);
+            squares += off(noise.sigma1_px, 1.0, noise.se.sigma1) + off(noise.sigma2_rad, 0.1, noise.se.sigma2_rad);
+            assert!(noise.se.motion_sd.unwrap().iter().all(|se| *se > 0.0));
+        }
+        assert!((0.3..2.3).contains(&(squares / 20.0)), "{name}: {}", squares / 20.0);
+    }
+    let given = learn("em_exact", &[], &walker.log(1010), &truth(&walker)).unwrap().models.noise;
+    assert!(given.se.sigma1.is_some() && given.se.motion_sd.is_none(), "{given:?}");
+}
