@@ -7,6 +7,7 @@
 pub mod firings;
 pub mod log;
 pub mod models;
+pub mod packets;
 pub mod parameters;
 pub mod seed;
 pub mod store;

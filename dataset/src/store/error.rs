@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use crate::packets::{PacketError, Unfit};
+
 /// A file that is not what the format says: which, where, which rule, what value.
 #[derive(Debug, thiserror::Error)]
 #[error("{}{}: {wrong}", file.display(), Colon(place))]
@@ -179,6 +181,12 @@ pub enum Wrong {
         /// The time of the row before.
         previous_s: f64,
     },
+    /// A packet of the laser scanner's, by its number, that is not what it must be.
+    #[error("{0}")]
+    Packet(#[from] PacketError),
+    /// Laser firings that packets cannot hold.
+    #[error("{0}")]
+    Firings(#[from] Unfit),
     /// A sighting of something unknown.
     #[error("landmark must be one that dataset.toml declares, not {id}")]
     Undeclared {

@@ -9,6 +9,7 @@
 //! | `frames.csv` | `t_s,head_pan_rad` |
 //! | `sightings.csv` | `t_s,landmark,height_px,bearing_rad` or `t_s,landmark,range_m,bearing_rad` |
 //! | `odometry.csv` | `t_s,v_m_per_s,omega_rad_per_s` |
+//! | `lidar.pcap` | data packets of a Velodyne HDL-64E, stamped in seconds since the log began ([`packets`](crate::packets)) |
 //! | `truth.csv` | `t_s,x_m,y_m,theta_rad[,v_m_per_s,...]` |
 //! | `survey.toml` | truth about the models |
 //!
@@ -23,16 +24,19 @@
 //!   0..=1, steering in -1..=1, ids whole numbers in 0..=65535.
 //! - Times increase from row to row; sightings of one frame share its time.
 //! - Sightings are heights or ranges, as `[camera]` or `[range_bearing]` says, of declared landmarks.
-//! - `commands.csv`, `frames.csv`, `sightings.csv`, `odometry.csv`, `truth.csv` and `survey.toml`
-//!   may be missing. Without `frames.csv`, misses are unknown.
+//! - `commands.csv`, `frames.csv`, `sightings.csv`, `odometry.csv`, `lidar.pcap`, `truth.csv` and
+//!   `survey.toml` may be missing. Without `frames.csv`, misses are unknown.
 //!
-//! Other files in the folder are left alone; `lidar.pcap` is among them until packets are read.
-//! Reading is total: broken input gives a [`ReadError`] that names file, line, column, rule and
-//! value, and nothing is repaired.
+//! - `lidar.pcap` may hold other packets, which are passed over, and may lack some, as captures do; [`read_lidar`]
+//!   counts both. Its data packets must be sound and in order of time.
+//!
+//! Other files in the folder are left alone. Reading is total: broken input gives a [`ReadError`] that names file,
+//! line and column or packet, rule and value, and nothing is repaired.
 
 mod error;
 mod keys;
 mod known;
+mod lidar;
 mod models;
 mod number;
 mod rows;
@@ -42,11 +46,13 @@ mod tables;
 mod toml_text;
 
 use std::collections::BTreeSet;
-use std::fs;
-use std::path::Path;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 pub use error::{Place, ReadError, WriteError, Wrong};
+pub use lidar::read_lidar;
 pub use models::{models_text, parse_models, read_models, write_models};
 pub use number::{number, push_number};
 pub use survey::{read_survey, write_survey};
@@ -74,6 +80,8 @@ pub fn read(dir: &Path) -> Result<Dataset, ReadError> {
     )?;
     let odometry = read_rows(&dir.join("odometry.csv"), &[&tables::ODOMETRY], no_header_rule, |_| None)?;
     let track = read_rows(&dir.join("truth.csv"), &[&tables::TRUTH], no_header_rule, |_| None)?;
+    let firings = read_lidar(dir)?.map(|(firings, _)| Arc::new(firings));
+    lidar::fits(dir, &known, firings.as_deref())?;
     let survey = Source::read(&dir.join("survey.toml"))?.map(|source| survey::parse(&source)).transpose()?;
     let log = Log {
         known: Arc::new(known),
@@ -81,12 +89,12 @@ pub fn read(dir: &Path) -> Result<Dataset, ReadError> {
         frames: frames.map(Channel::from),
         sightings: channel(sightings),
         odometry: channel(odometry),
-        firings: None,
+        firings,
     };
     Ok(Dataset { log, truth: Truth { track: channel(track), survey }, provenance })
 }
 
-/// Writes `dataset`, less its laser firings, into the folder `dir`, which is made if need be; files of the format that
+/// Writes `dataset` into the folder `dir`, which is made if need be; files of the format that
 /// stand there are replaced or, where the data set has nothing for them, removed.
 ///
 /// # Errors
@@ -99,15 +107,10 @@ pub fn write(dataset: &Dataset, dir: &Path) -> Result<(), WriteError> {
         let path = dir.join(name);
         match text {
             Some(text) => replace(&path, &text)?,
-            None => match fs::remove_file(&path) {
-                Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(WriteError::Io { file: path, source });
-                }
-                _ => {}
-            },
+            None => remove(path)?,
         }
     }
-    Ok(())
+    lidar::write(dir, dataset.log.firings.as_deref())
 }
 
 /// Every file of the format with its text, if the data set has something for it.
@@ -116,6 +119,7 @@ fn files(dataset: &Dataset, dir: &Path) -> Result<Vec<(&'static str, Option<Stri
     let known = &*log.known;
     let source = Source { file: dir.join("dataset.toml"), text: known::text(known, provenance.as_ref()) };
     known::parse(&source)?;
+    lidar::check(dir, known, log.firings.as_deref())?;
 
     let declared = declared(known);
     let has = |kind: fn(&Size) -> bool| log.sightings.iter().any(|row| kind(&row.size));
@@ -159,13 +163,25 @@ fn any_rows<T: Timed>(
     rows_text(&dir.join(name), table, rows, check)
 }
 
-/// Writes beside, then renames: a reader sees the old file or the new one.
 fn replace(path: &Path, text: &str) -> Result<(), WriteError> {
+    replace_by(path, |to| to.write_all(text.as_bytes()))
+}
+
+/// Writes beside, then renames: a reader sees the old file or the new one.
+fn replace_by(path: &Path, put: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), WriteError> {
     let io = |source| WriteError::Io { file: path.to_owned(), source };
     let mut beside = path.as_os_str().to_owned();
     beside.push(".part");
-    fs::write(&beside, text).map_err(io)?;
+    let mut to = BufWriter::with_capacity(1 << 16, File::create(&beside).map_err(io)?);
+    put(&mut to).and_then(|()| to.flush()).map_err(io)?;
     fs::rename(&beside, path).map_err(io)
+}
+
+fn remove(path: PathBuf) -> Result<(), WriteError> {
+    match fs::remove_file(&path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => Err(WriteError::Io { file: path, source }),
+        _ => Ok(()),
+    }
 }
 
 fn channel<T>(rows: Option<Vec<T>>) -> Channel<T> {
