@@ -4,12 +4,17 @@ use std::fmt::Write;
 use std::path::Path;
 
 use asami_dataset::parameters::{Parameter, Parameters};
+use asami_sim::drives::driver::Driving;
 use asami_sim::drives::explore::Exploring;
 use asami_sim::drives::pace::Pacing;
 use asami_sim::drives::suite::Suite;
 use asami_sim::robots::aibo::config::AiboConfig;
+use asami_sim::robots::car::CarConfig;
 use asami_sim::robots::plain::PlainConfig;
+use asami_sim::scenes::town::TownConfig;
+use asami_sim::sensors::applanix::Applanix;
 use asami_sim::sensors::camera::CameraConfig;
+use asami_sim::sensors::velodyne::VelodyneConfig;
 use asami_sim::survey::Surveying;
 
 use crate::import;
@@ -108,6 +113,23 @@ fn robots() -> String {
         let _ = writeln!(text, "  [plain.{name}]");
         parameters(&mut text, table);
     }
+    let what =
+        "A 1999 Isuzu VehiCross driven through a town in Rapier, with a Velodyne HDL-64E on its roof (chapter 5)";
+    entry(&mut text, Robot::Car.name(), what, &[]);
+    for (name, table) in CarConfig::tables() {
+        let _ = writeln!(text, "  [car.{name}]");
+        parameters(&mut text, table);
+    }
+    let tables = [
+        ("town", TownConfig::table()),
+        ("driving", Driving::table()),
+        ("velodyne", VelodyneConfig::table()),
+        ("applanix", Applanix::table()),
+    ];
+    for (name, table) in tables {
+        let _ = writeln!(text, "  [{name}]");
+        parameters(&mut text, table);
+    }
     let tables = [
         ("camera", CameraConfig::table()),
         ("drive", Pacing::table()),
@@ -116,7 +138,7 @@ fn robots() -> String {
         ("start", Placement::table()),
         ("survey", Surveying::table()),
     ];
-    text.push_str("\nTables of all robots\n");
+    text.push_str("\nTables of the others\n");
     for (name, table) in tables {
         let _ = writeln!(text, "  [{name}]");
         parameters(&mut text, table);

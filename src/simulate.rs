@@ -3,13 +3,29 @@
 use asami_dataset::{Dataset, Provenance, Seed, TruePose};
 use asami_sim::drives::explore::Explore;
 use asami_sim::drives::pace::Pace;
-use asami_sim::robots::aibo::{AiboWorld, BuildError, Start};
+use asami_sim::robots::aibo::{self, AiboWorld, Start};
+use asami_sim::robots::car;
 use asami_sim::robots::plain::PlainWorld;
 use asami_sim::scenes::field::Field;
 use asami_sim::world::{self, Drive, World};
 use rand::RngExt;
 
+use crate::ride::{CannotScan, Ride};
 use crate::scenario::{Policy, Robot, Scenario, Simulation};
+
+/// Why a scenario's world cannot be made or looked at.
+#[derive(Debug, thiserror::Error)]
+pub enum CannotSimulate {
+    /// The Aibo cannot be built.
+    #[error(transparent)]
+    Aibo(#[from] aibo::BuildError),
+    /// The car cannot be built.
+    #[error(transparent)]
+    Car(#[from] car::BuildError),
+    /// Its laser scanner sees nothing.
+    #[error(transparent)]
+    Scan(#[from] CannotScan),
+}
 
 impl Simulation {
     /// The world of a case. The seed draws where the robot stands and where in its stride it is, and
@@ -17,7 +33,7 @@ impl Simulation {
     ///
     /// # Errors
     /// If the robot cannot be built.
-    pub fn world(&self, seed: Seed) -> Result<Box<dyn World>, BuildError> {
+    pub fn world(&self, seed: Seed) -> Result<Box<dyn World>, CannotSimulate> {
         let mut rng = seed.stream("start");
         let ahead_m = self.start.y_spread_m * (2.0 * rng.random::<f64>() - 1.0);
         let start = Start {
@@ -34,7 +50,7 @@ impl Simulation {
     ///
     /// # Errors
     /// If the robot cannot be built.
-    pub fn before_beacon(&self, distance_m: f64, seed: Seed) -> Result<Box<dyn World>, BuildError> {
+    pub fn before_beacon(&self, distance_m: f64, seed: Seed) -> Result<Box<dyn World>, CannotSimulate> {
         let [x_m, y_m] = self.field.beacons.first().map_or([0.0; 2], |beacon| [beacon.body.x_m, beacon.body.y_m]);
         let gait_phase = seed.stream("start").random::<f64>();
         let beacons = self.field.beacons.iter().take(1).cloned().collect();
@@ -42,10 +58,15 @@ impl Simulation {
         alone.world_from(Start { x_m, y_m: y_m - distance_m, theta_rad: 0.0, gait_phase }, seed)
     }
 
-    fn world_from(&self, start: Start, seed: Seed) -> Result<Box<dyn World>, BuildError> {
+    fn world_from(&self, start: Start, seed: Seed) -> Result<Box<dyn World>, CannotSimulate> {
         Ok(match self.robot {
             Robot::Aibo => Box::new(self.aibo_at(start, seed)?),
             Robot::Plain => Box::new(self.plain_at(start, seed)),
+            // Where it stands is its route's beginning.
+            Robot::Car => {
+                let ride = if let Policy::Route(ride) = &self.drive { (**ride).clone() } else { Ride::default() };
+                Box::new(ride.on(&ride.town(seed), &self.effects, seed)?)
+            }
         })
     }
 
@@ -61,7 +82,7 @@ impl Simulation {
     ///
     /// # Errors
     /// If the robot cannot be built.
-    pub fn aibo_at(&self, start: Start, seed: Seed) -> Result<AiboWorld, BuildError> {
+    pub fn aibo_at(&self, start: Start, seed: Seed) -> Result<AiboWorld, aibo::BuildError> {
         AiboWorld::new(&self.aibo, &self.field, &self.camera, &self.effects, start, seed)
     }
 
@@ -69,12 +90,13 @@ impl Simulation {
     ///
     /// # Errors
     /// If the robot cannot be built.
-    pub fn dataset(&self, seed: Seed) -> Result<Dataset, BuildError> {
+    pub fn dataset(&self, seed: Seed) -> Result<Dataset, CannotSimulate> {
         let rng = seed.stream("drive");
         let mut drive: Box<dyn Drive> = match &self.drive {
             Policy::Pace(pacing) => Box::new(Pace::new(pacing.clone(), rng)),
             Policy::Stride(pacing) => Box::new(Pace::among(self.suite.strides(), pacing.clone(), rng)),
             Policy::Explore(exploring) => Box::new(Explore::new(exploring.clone(), self.suite.actions(), rng)),
+            Policy::Route(ride) => return ride.dataset(&self.effects, self.duration_s, seed),
         };
         Ok(world::run(&mut *self.world(seed)?, &mut *drive, self.duration_s))
     }

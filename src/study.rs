@@ -4,6 +4,7 @@
 use std::fmt::Debug;
 
 use asami_dataset::{Dataset, Log, Models, Survey};
+use asami_learners::{Learned, learner::Trace};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -46,6 +47,13 @@ pub trait Study: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// Adds what takes the log to tell, of the models that a trial ended with.
     fn inspect(log: &Log, models: &Models, scores: &mut Self::Scores) {
         let _ = (log, models, scores);
+    }
+
+    /// Adds what takes more than the models to tell, of what a trial's learner learned, and gives further curves worth
+    /// drawing.
+    fn follow(yardstick: &Self::Yardstick, learned: &Learned, scores: &mut Self::Scores) -> Vec<Trace> {
+        let _ = (yardstick, learned, scores);
+        Vec::new()
     }
 
     /// Rows of a case that need the truth and are no learner's.

@@ -7,20 +7,21 @@ use asami_dataset::store::{WriteError, read_survey, write_survey};
 use asami_dataset::survey::Velocity;
 use asami_dataset::{Action, Seed, Sighting, Survey};
 use asami_sim::drives::hold::Hold;
+use asami_sim::robots::aibo::Start;
 use asami_sim::robots::aibo::blueprint::URDF;
-use asami_sim::robots::aibo::{BuildError, Start};
 use asami_sim::survey::{self as measure, CannotSurvey as CannotMeasure};
 use asami_sim::world;
 use rayon::prelude::*;
 
 use crate::scenario::{Policy, Robot, Simulation};
+use crate::simulate::CannotSimulate;
 
 /// Why a world cannot be surveyed.
 #[derive(Debug, thiserror::Error)]
 pub enum CannotSurvey {
     /// The robot cannot be built.
     #[error(transparent)]
-    Build(#[from] BuildError),
+    Build(#[from] CannotSimulate),
     /// A measurement failed.
     #[error("cannot survey the robot: {0}")]
     Measure(#[from] CannotMeasure),
@@ -70,7 +71,7 @@ impl Surveyor<'_> {
     }
 
     fn survey_as(&self, simulation: &Simulation, name: &str, key_name: &str) -> Result<Survey, CannotSurvey> {
-        if simulation.robot == Robot::Plain {
+        if simulation.robot != Robot::Aibo {
             // Exact, and at no cost: nothing to keep.
             return make(simulation, self.jobs, self.say);
         }
@@ -104,9 +105,11 @@ const KEY: &str = "survey.key";
 pub fn at_hand<'a>(
     simulation: &Simulation,
     folders: impl IntoIterator<Item = &'a PathBuf>,
-) -> Result<Option<Survey>, BuildError> {
+) -> Result<Option<Survey>, CannotSimulate> {
     match simulation.robot {
         Robot::Plain => Ok(Some(exact(simulation))),
+        // Each drive has its own.
+        Robot::Car => Ok(None),
         Robot::Aibo => Ok(kept_as(&key(simulation)?, folders, SURVEY, KEY)),
     }
 }
@@ -139,7 +142,7 @@ const PROBE_S: f64 = 2.0;
 ///
 /// # Errors
 /// If the robot cannot be built.
-pub fn key(simulation: &Simulation) -> Result<String, BuildError> {
+pub fn key(simulation: &Simulation) -> Result<String, CannotSimulate> {
     let Simulation { robot, aibo, camera, field, effects, survey, .. } = simulation;
     let mut probe = simulation.before_beacon(survey.near_m, Seed(survey.seed))?;
     let walked = world::run(&mut *probe, &mut Hold::forward(PROBE_M_PER_S), PROBE_S);
@@ -154,7 +157,7 @@ pub fn key(simulation: &Simulation) -> Result<String, BuildError> {
 fn actions(simulation: &Simulation) -> Vec<(u16, Action)> {
     match simulation.drive {
         Policy::Explore(_) => (0..).zip(simulation.suite.actions()).collect(),
-        Policy::Pace(_) | Policy::Stride(_) => Vec::new(),
+        Policy::Pace(_) | Policy::Stride(_) | Policy::Route(_) => Vec::new(),
     }
 }
 
@@ -164,8 +167,11 @@ fn actions(simulation: &Simulation) -> Vec<(u16, Action)> {
 /// [`CannotSurvey`] if the robot cannot be built or measured.
 pub fn make(simulation: &Simulation, jobs: Option<usize>, say: &(dyn Fn(&str) + Sync)) -> Result<Survey, CannotSurvey> {
     let how = &simulation.survey;
-    if simulation.robot == Robot::Plain {
-        return Ok(exact(simulation));
+    match simulation.robot {
+        Robot::Aibo => {}
+        Robot::Plain => return Ok(exact(simulation)),
+        // Where its lasers point may be drawn: each drive has a survey of its own.
+        Robot::Car => return Ok(Survey::default()),
     }
     let actions = actions(simulation);
     let commands = if actions.is_empty() { how.commands_m_per_s() } else { Vec::new() };

@@ -228,12 +228,13 @@ fn judged<S: Study>(
 ) -> Trial<S::Scores> {
     let mut scores = S::score(yardstick, &learned.models);
     S::inspect(log, &learned.models, &mut scores);
+    let further = S::follow(yardstick, &learned, &mut scores);
     let mut faults = Vec::new();
     if let asami_learners::Verdict::Diverged { rule } = learned.verdict {
         faults.push(rule.to_owned());
     }
     faults.extend(S::faults(setting.scenario, setting.row, yardstick, &learned.models, &scores));
-    let traces = if setting.keep_traces { learned.traces.as_slice() } else { &[] };
+    let traces = learned.traces.iter().chain(&further).filter(|_| setting.keep_traces);
     Trial {
         ending: if faults.is_empty() { Ending::Converged } else { Ending::Diverged },
         reason: faults.join("; "),
@@ -246,7 +247,7 @@ fn judged<S: Study>(
         // What the format refuses, numbers that are none above all, is worth no file.
         models: store::models_text(&setting.row.label, &learned.models).ok(),
         curve: curve::<S>(&learned.history, yardstick),
-        traces: traces.iter().map(|trace| (trace.name.to_owned(), finite_points(&trace.points))).collect(),
+        traces: traces.map(|trace| (trace.name.to_owned(), finite_points(&trace.points))).collect(),
         ..blank
     }
 }

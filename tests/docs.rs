@@ -49,7 +49,7 @@ fn the_small_scenario_of_the_docs_is_one() {
     let keys: Vec<&str> = keys.map(|key| key.trim_start_matches('_')).collect();
     assert!(keys.len() > 20, "{keys:?}");
     let starts = Start::CHAPTER_4.map(Start::name);
-    let scenarios = ["plain_2d", "aibo_2d", "aibo_1d_em", "aibo_1d_changed", "barfoot_2d", "mrclam"];
+    let scenarios = ["plain_2d", "aibo_2d", "aibo_1d_em", "aibo_1d_changed", "barfoot_2d", "mrclam", "car"];
     for name in keys.into_iter().chain(starts).chain(scenarios) {
         let names = ["`", "`[", "`[["].map(|before| format!("{before}{name}"));
         assert!(names.iter().any(|name| page.contains(name)), "{name} is not on the page");

@@ -11,7 +11,7 @@ learner! {
     /// How far is learned, out of lags within windows of range.
     CarAlternating, "car_alternating",
     "As car_lines, but with lasers off the axis by turns to the left and right, as far as the lags over range tell.",
-    source "this project", needs Nothing,
+    source "this project", needs Firings,
     {
         /// From one scan to the next; 0 takes every turn.
         scan_interval_s: f64 = 0.5, "s", 0.0..=10.0;

@@ -12,7 +12,7 @@ learner! {
     /// are the regressions', the delay taken as known.
     CarBest, "car_best",
     "As car_sides, but with accelerations registered with the pedals, a delay found, and coefficients within the tyres' grip.",
-    source "this project", needs Nothing,
+    source "this project", needs Firings,
     {
         /// From one scan to the next; 0 takes every turn.
         scan_interval_s: f64 = 0.5, "s", 0.0..=10.0;

@@ -11,7 +11,7 @@ learner! {
     /// regression's.
     CarGraph, "car_graph",
     "As published, but with high-passed log ranges, lags between steps, and least squares over many pairs in place of the chain.",
-    source "this project; Stronger 2008, section 5.1", needs Nothing,
+    source "this project; Stronger 2008, section 5.1", needs Firings,
     {
         /// Lags are tried up to this angle to both sides.
         most_lag_deg: f64 = 23.0, "deg", 1.0..=180.0;

@@ -11,7 +11,7 @@ learner! {
     /// through the other scan's points with robust weights, the gate shrinks, and matching begins at the motion before.
     CarLines, "car_lines",
     "As car_graph, but with scans freed of the car's motion and matched point to line from the motion before.",
-    source "this project; Chen and Medioni 1991", needs Nothing,
+    source "this project; Chen and Medioni 1991", needs Firings,
     {
         /// From one scan to the next; 0 takes every turn.
         scan_interval_s: f64 = 0.5, "s", 0.0..=10.0;

@@ -16,7 +16,7 @@ learner! {
     /// an angle median; those of the coefficients, the regressions'.
     CarPublished, "car_published",
     "Learns a scanner's angles by correlation, the car's motion by scan matching and its action model by regression, as published.",
-    source "Stronger 2008, chapter 5, Algorithm 3", needs Nothing,
+    source "Stronger 2008, chapter 5, Algorithm 3", needs Firings,
     {
         /// Lags are tried up to this angle to both sides; the dissertation's quick run took 23 degrees.
         most_lag_deg: f64 = 180.0, "deg", 1.0..=180.0;

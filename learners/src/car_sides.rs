@@ -11,7 +11,7 @@ learner! {
     /// taken for the likelier where it fits about as well.
     CarSides, "car_sides",
     "As car_alternating, but the sides on which the lasers sit are found as well.",
-    source "this project", needs Nothing,
+    source "this project", needs Firings,
     {
         /// From one scan to the next; 0 takes every turn.
         scan_interval_s: f64 = 0.5, "s", 0.0..=10.0;

@@ -46,6 +46,8 @@ pub enum Needs {
     /// All models, to start from: a table of velocities (an action without an entry counts as having no
     /// effect), height or range as a function of distance, and the noise of sensor and motion.
     Both,
+    /// No starting model, but the firings of a car's laser scanner, or odometry in their place.
+    Firings,
 }
 
 /// What a learner learned, and how it got there.

@@ -7,6 +7,7 @@
 pub mod axis;
 pub mod chapter3;
 pub mod chapter4;
+pub mod chapter5;
 pub mod figure;
 pub mod picture;
 pub(crate) mod svg;

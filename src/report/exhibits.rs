@@ -2,13 +2,14 @@
 
 use asami_dataset::{Action, Command, Dataset, Log, Seed};
 use asami_sim::robots::aibo::watch::{Contacts, Outline, Watch};
-use asami_sim::robots::aibo::{AiboWorld, BuildError, Start};
+use asami_sim::robots::aibo::{AiboWorld, Start};
 use asami_sim::world::{Record, World};
 
 use super::{Plate, one_at_a_time};
 use crate::draw::walk::{Part, Pose, Strip, contacts};
 use crate::draw::{Figure, Picture};
 use crate::scenario::Simulation;
+use crate::simulate::CannotSimulate;
 
 /// Where the walk begins, in front of the first beacon.
 const FROM_M: f64 = 3.5;
@@ -38,7 +39,7 @@ pub struct Exhibits {
 ///
 /// # Errors
 /// If the robot cannot be built.
-pub fn of(simulation: &Simulation) -> Result<Exhibits, BuildError> {
+pub fn of(simulation: &Simulation) -> Result<Exhibits, CannotSimulate> {
     let seed = Seed(simulation.first_seed);
     let (approach, pacing) = rayon::join(|| approach(simulation, seed), || pacing(simulation, seed));
     let (approach, pacing) = (approach?, pacing?);
@@ -46,7 +47,7 @@ pub fn of(simulation: &Simulation) -> Result<Exhibits, BuildError> {
 }
 
 /// The beginning of the scenario's first log.
-fn pacing(simulation: &Simulation, seed: Seed) -> Result<Dataset, BuildError> {
+fn pacing(simulation: &Simulation, seed: Seed) -> Result<Dataset, CannotSimulate> {
     let beginning = Simulation { duration_s: simulation.duration_s.min(CYCLE_WITHIN_S), ..simulation.clone() };
     beginning.dataset(seed)
 }
@@ -61,7 +62,7 @@ struct Approach {
     views: Vec<(f64, Picture)>,
 }
 
-fn approach(simulation: &Simulation, seed: Seed) -> Result<Approach, BuildError> {
+fn approach(simulation: &Simulation, seed: Seed) -> Result<Approach, CannotSimulate> {
     let theta_rad = simulation.start.theta_rad;
     let forward = [-theta_rad.sin(), theta_rad.cos()];
     let beacon_m = simulation.field.beacons.first().map_or([0.0, 0.0], |beacon| [beacon.body.x_m, beacon.body.y_m]);

@@ -2,6 +2,7 @@
 //! and data are all inside, so that it opens offline and can be mailed, archived or printed.
 
 pub mod both_at_once;
+pub mod car;
 pub mod chapter4;
 pub mod exhibits;
 mod html;

@@ -15,7 +15,7 @@ use std::path::Path;
 use asami_learners::Learners;
 use serde::{Deserialize, Serialize};
 
-use crate::sweep::{plane, stride};
+use crate::sweep::{car, plane, stride};
 
 pub use fault::Bad;
 pub use origin::{Origin, Part, Placement, Policy, Recording, Robot, Simulation, Window};
@@ -56,6 +56,8 @@ pub enum Study {
     Plane,
     /// Section 4.4.3: the models of chapter 4 along chapter 3's line, before and after the robot changes.
     Stride,
+    /// Chapter 5: a car, the angles of its laser scanner, and an action model of pedals.
+    Car,
 }
 
 impl Study {
@@ -66,6 +68,7 @@ impl Study {
             Study::Line => "line",
             Study::Plane => "plane",
             Study::Stride => "stride",
+            Study::Car => "car",
         }
     }
 
@@ -76,6 +79,7 @@ impl Study {
             Study::Line => &[],
             Study::Plane => &plane::quantities::NAMES,
             Study::Stride => &stride::quantities::NAMES,
+            Study::Car => &car::quantities::NAMES,
         }
     }
 }
@@ -123,7 +127,8 @@ asami_dataset::parameters! {
     /// When a trial counts as diverged: the same rule for every learner.
     pub struct Divergence {
         /// R^2 of any learned model against the truth lies below this: of sensor or action model after the
-        /// published scaling; in the plane of v_x, v_y, v_theta or f as they are.
+        /// published scaling; in the plane of v_x, v_y, v_theta or f as they are; of a car of the lasers' angles, or of
+        /// acceleration, speed or yaw rate rolled out over the whole drive.
         r2_min: f64 = 0.75, "1", 0.0..=1.0;
     }
 }

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::binning::Binning;
 use crate::depths::Depths;
+use crate::ride::Ride;
 
 /// Where a scenario's logs come from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -65,6 +66,8 @@ pub enum Policy {
     Stride(Pacing),
     /// All over the field by the suite's 40 actions (section 4.4.1).
     Explore(Exploring),
+    /// Round a town, as a person drives (chapter 5).
+    Route(Box<Ride>),
 }
 
 impl Simulation {
@@ -94,6 +97,8 @@ pub enum Robot {
     Aibo,
     /// The dissertation's own simulator (section 4.4.2): kinematics and Gaussian noise.
     Plain,
+    /// A 1999 Isuzu VehiCross with a Velodyne on its roof, in Rapier.
+    Car,
 }
 
 impl Robot {
@@ -103,6 +108,7 @@ impl Robot {
         match self {
             Robot::Aibo => "aibo",
             Robot::Plain => "plain",
+            Robot::Car => "car",
         }
     }
 }

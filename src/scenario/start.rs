@@ -76,7 +76,7 @@ impl Start {
     #[must_use]
     pub fn fits(self, needs: Needs) -> bool {
         match needs {
-            Needs::Nothing => false,
+            Needs::Nothing | Needs::Firings => false,
             Needs::Action => matches!(self, Start::C | Start::Sgn | Start::One | Start::ReferenceQuartic),
             Needs::Sensor => self == Start::ReferenceCubic,
             Needs::Both => Start::CHAPTER_4.contains(&self),

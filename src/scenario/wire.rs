@@ -4,20 +4,26 @@ use std::collections::BTreeMap;
 
 use asami_dataset::parameters::Fault;
 use asami_learners::Learners;
+use asami_sim::drives::driver::Driving;
 use asami_sim::drives::explore::Exploring;
 use asami_sim::drives::pace::Pacing;
 use asami_sim::drives::suite::Suite;
 use asami_sim::effects::Effects;
 use asami_sim::robots::aibo::AiboConfig;
+use asami_sim::robots::car::CarConfig;
 use asami_sim::robots::plain::PlainConfig;
 use asami_sim::scenes::field::Field;
+use asami_sim::scenes::town::TownConfig;
+use asami_sim::sensors::applanix::Applanix;
 use asami_sim::sensors::camera::CameraConfig;
+use asami_sim::sensors::velodyne::VelodyneConfig;
 use asami_sim::survey::Surveying;
 use serde::Deserialize;
 use toml::de::DeTable;
 
 use crate::binning::Binning;
 use crate::depths::Depths;
+use crate::ride::Angles;
 
 use super::{Divergence, Era, Expect, Placement, Robot, Start, Starting, Study};
 
@@ -74,6 +80,18 @@ pub struct Wire {
     pub drive: Option<Pacing>,
     /// The policy in the plane.
     pub explore: Option<Exploring>,
+    /// The town that a car drives through.
+    pub town: Option<TownConfig>,
+    /// The car.
+    pub car: Option<CarConfig>,
+    /// Who drives it.
+    pub driving: Option<Driving>,
+    /// Its laser scanner.
+    pub velodyne: Option<VelodyneConfig>,
+    /// Where that scanner's lasers point.
+    pub unit: Option<Angles>,
+    /// What its models are held against.
+    pub applanix: Option<Applanix>,
     /// Effects.
     pub effects: Option<Effects>,
     /// How the truth is measured.

@@ -1,5 +1,6 @@
 //! How far learned models are from the truth: one yardstick for each study.
 
+pub mod car;
 pub mod line;
 pub mod plane;
 pub mod stride;

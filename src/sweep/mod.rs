@@ -4,6 +4,7 @@
 //! dropped. Cases run in parallel; each finished one is a file, so that a stopped sweep goes on
 //! where it was. What is written is the same whatever the order, the threads or the interruptions.
 
+pub mod car;
 pub mod cases;
 pub mod line;
 pub mod manifest;

@@ -65,7 +65,7 @@ impl Source for Simulated {
     fn dataset(&self, case: &Case) -> Result<Dataset, String> {
         let seed = Seed(case.seed);
         let mut dataset = self.simulation.dataset(seed).map_err(|error| error.to_string())?;
-        dataset.truth.survey = Some(self.survey.clone());
+        dataset.truth.survey.get_or_insert_with(|| self.survey.clone());
         dataset.provenance = Some(self.scenario.provenance(seed));
         Ok(dataset)
     }
@@ -77,7 +77,7 @@ impl Source for Simulated {
     }
 
     fn survey(&self) -> Option<Survey> {
-        Some(self.survey.clone())
+        (self.simulation.robot != Robot::Car).then(|| self.survey.clone())
     }
 
     fn changed(&self) -> Option<Survey> {

@@ -139,7 +139,8 @@ pub fn comparisons<S: Tallied>(results: &Results<S>, published: &str, quantities
         let is_against = |(_, other): &(usize, &crate::scenario::Row)| {
             // A learner without a start is held against the published start.
             let start = row.start.or(Some(Start::Published));
-            other.label == published && (other.start, other.era, other.duration_s) == (start, row.era, row.duration_s)
+            let is_alike = other.start == start || other.start == row.start;
+            other.label == published && is_alike && (other.era, other.duration_s) == (row.era, row.duration_s)
         };
         let Some((against, _)) = rows.iter().enumerate().find(is_against) else { continue };
         for group in S::groups(results) {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use miette::Report;
 
+use super::car::InTraffic;
 use super::line::Chapter3;
 use super::plane::InPlane;
 use super::source::{Recorded, Simulated, Source};
@@ -105,6 +106,7 @@ pub fn carry_out(plan: &Plan, options: &Options, watcher: &dyn Watcher) -> Resul
         scenario::Study::Line => of_study::<Chapter3>(plan, options, watcher),
         scenario::Study::Plane => of_study::<InPlane>(plan, options, watcher),
         scenario::Study::Stride => of_study::<Strides>(plan, options, watcher),
+        scenario::Study::Car => of_study::<InTraffic>(plan, options, watcher),
     }
 }
 

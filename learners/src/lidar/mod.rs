@@ -21,7 +21,7 @@ use asami_dataset::{Action, Log, Models, SensorModel};
 use asami_math::angle::wrap_rad;
 use asami_math::rigid::{Rigid, rotate};
 
-pub use action::{Coefficients, Stretch, regress, roll_out};
+pub use action::{Coefficients, Stretch, pedals, regress, roll_out};
 pub use angles::{Angles, chain, graph};
 pub use cloud::{Cut, cloud};
 pub use drive::{Drive, Scan};

@@ -11,7 +11,7 @@ use crate::synthetic::{curve_of_action, curve_of_sensor, learn, starting};
 
 /// The learners of chapter 3; those of chapter 4 start from both models, those of chapter 5 are a car's.
 fn catalogue() -> Vec<&'static asami_learners::About> {
-    let ours = |about: &&asami_learners::About| about.needs != Needs::Both && !about.name.starts_with("car_");
+    let ours = |about: &&asami_learners::About| !matches!(about.needs, Needs::Both | Needs::Firings);
     asami_learners::catalogue().into_iter().filter(ours).collect()
 }
 

@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use asami_dataset::log::Velodyne;
 use asami_dataset::{Action, Command, Firings, Known, Log, SensorModel};
+use asami_learners::Needs;
 use proptest::prelude::*;
 
 use crate::synthetic::{Ride, learn};
 
 fn catalogue() -> Vec<&'static str> {
-    asami_learners::catalogue().iter().map(|about| about.name).filter(|name| name.starts_with("car_")).collect()
+    let ours = |about: &&asami_learners::About| about.needs == Needs::Firings;
+    asami_learners::catalogue().into_iter().filter(ours).map(|about| about.name).collect()
 }
 
 /// Firings out of nowhere, most of them with columns that fit.

@@ -29,8 +29,10 @@ pub fn scenario(name: &str, wire: Wire, faults: &mut Vec<Fault>) -> Option<Scena
     let rows = rows::rows(&wire, origin.as_ref(), faults);
     let starting = wire.starting.clone().unwrap_or_default();
     starting.check("starting", faults);
-    if wire.starting.is_some() && wire.study == Study::Line {
-        fault(faults, "starting", "starting belongs to studies \"plane\" and \"stride\"; this one's is \"line\"");
+    if wire.starting.is_some() && !matches!(wire.study, Study::Plane | Study::Stride) {
+        let study = wire.study.name();
+        let message = format!("starting belongs to studies \"plane\" and \"stride\"; this one's is \"{study}\"");
+        fault(faults, "starting", message);
     }
     for (i, expect) in wire.expect.iter().enumerate() {
         expect::expectation(i, expect, wire.study, &rows, faults);

@@ -10,6 +10,7 @@ use asami_sim::survey::Surveying;
 use super::super::wire::{self, Wire};
 use super::super::{Origin, Part, Policy, Recording, Robot, Simulation, Study, Window};
 use super::{DURATION, fault, number};
+use crate::ride::Ride;
 
 const SEEDS: Parameter = number("seeds", "1", (1.0, 10_000.0));
 const FIRST_SEED: Parameter = number("first_seed", "1", (0.0, 9e15));
@@ -48,6 +49,12 @@ fn recording(wire: &Wire, source: &str, faults: &mut Vec<Fault>) -> Option<Recor
         ("explore", wire.explore.is_some()),
         ("effects", wire.effects.is_some()),
         ("survey", wire.survey.is_some()),
+        ("town", wire.town.is_some()),
+        ("car", wire.car.is_some()),
+        ("driving", wire.driving.is_some()),
+        ("velodyne", wire.velodyne.is_some()),
+        ("unit", wire.unit.is_some()),
+        ("applanix", wire.applanix.is_some()),
     ];
     for (key, _) in simulated.into_iter().filter(|(_, is_there)| *is_there) {
         fault(faults, key, format!("{key} belongs to simulated scenarios; this one has source = \"{source}\""));
@@ -175,6 +182,7 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
     let seeds = required(&SEEDS, wire.seeds.map(|n| n as f64));
     let first_seed = wire.first_seed.unwrap_or(1);
     faults.extend(out_of_range("", &FIRST_SEED, first_seed as f64));
+    of_the_robot(wire, robot, faults);
     let drive = policy(wire, faults);
     let suite = wire.suite.clone().unwrap_or_default();
     suite.check("suite", faults);
@@ -187,7 +195,9 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
     let start = wire.start.clone().unwrap_or_default();
     start.check("start", faults);
     let field = wire.field.clone().unwrap_or_default();
-    field_rules(&field, faults);
+    if robot != Robot::Car {
+        field_rules(&field, faults);
+    }
     let effects = wire.effects.clone().unwrap_or_default();
     effects_fit(&effects, robot, faults);
     let begins_s = effects.command_scale.as_ref().map_or(0.0, |scale| scale.from_s);
@@ -214,9 +224,57 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
     })
 }
 
+/// Chapter 5 has a robot and tables of its own.
+fn of_the_robot(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) {
+    let (name, study) = (robot.name(), wire.study.name());
+    if (robot == Robot::Car) != (wire.study == Study::Car) {
+        fault(
+            faults,
+            "robot",
+            format!("robot \"car\" and study \"car\" belong together; here are \"{name}\" and \"{study}\""),
+        );
+        return;
+    }
+    let of_a_car = [
+        ("town", wire.town.is_some()),
+        ("car", wire.car.is_some()),
+        ("driving", wire.driving.is_some()),
+        ("velodyne", wire.velodyne.is_some()),
+        ("unit", wire.unit.is_some()),
+        ("applanix", wire.applanix.is_some()),
+    ];
+    let of_others = [
+        ("aibo", wire.aibo.is_some()),
+        ("plain", wire.plain.is_some()),
+        ("suite", wire.suite.is_some()),
+        ("camera", wire.camera.is_some()),
+        ("field", wire.field.is_some()),
+        ("start", wire.start.is_some()),
+        ("drive", wire.drive.is_some()),
+        ("explore", wire.explore.is_some()),
+        ("survey", wire.survey.is_some()),
+    ];
+    let foreign: &[(&str, bool)] = if robot == Robot::Car { &of_others } else { &of_a_car };
+    for (key, _) in foreign.iter().filter(|(_, is_there)| *is_there) {
+        fault(faults, key, format!("{key} is not for robot \"{name}\""));
+    }
+}
+
 /// What is studied says how the robot is driven; the keys of another drive are faults.
 fn policy(wire: &Wire, faults: &mut Vec<Fault>) -> Policy {
     let study = wire.study.name();
+    if wire.study == Study::Car {
+        let ride = Ride {
+            town: wire.town.clone().unwrap_or_default(),
+            car: wire.car.clone().unwrap_or_default(),
+            driving: wire.driving.clone().unwrap_or_default(),
+            velodyne: wire.velodyne.clone().unwrap_or_default(),
+            unit: wire.unit.unwrap_or_default(),
+            applanix: wire.applanix.clone().unwrap_or_default(),
+        };
+        ride.check(faults);
+        return Policy::Route(Box::new(ride));
+    }
     if wire.study == Study::Plane {
         if wire.drive.is_some() {
             fault(faults, "drive", format!("drive is the policy along a line; study \"{study}\" takes [explore]"));
@@ -236,7 +294,7 @@ fn policy(wire: &Wire, faults: &mut Vec<Fault>) -> Policy {
     }
     match wire.study {
         Study::Stride => Policy::Stride(pacing),
-        Study::Line | Study::Plane => Policy::Pace(pacing),
+        Study::Line | Study::Plane | Study::Car => Policy::Pace(pacing),
     }
 }
 

@@ -151,17 +151,28 @@ fn takes(
 ) {
     let catalogue = asami_learners::catalogue();
     let Some(about) = catalogue.iter().find(|about| about.name == learner) else { return };
-    if (about.needs == Needs::Both) != (study != Study::Line) && about.needs != Needs::Nothing {
-        let message = format!("learner {} is not for study \"{}\"", about.name, study.name());
+    let is_for_it = match about.needs {
+        Needs::Nothing => study != Study::Car,
+        Needs::Action | Needs::Sensor => study == Study::Line,
+        Needs::Both => matches!(study, Study::Plane | Study::Stride),
+        Needs::Firings => study == Study::Car,
+    };
+    if !is_for_it {
+        let takes = match (about.needs, study) {
+            (Needs::Firings, _) => ": it learns from a car's laser firings",
+            (_, Study::Car) => ", which learns from a car's laser firings",
+            _ => "",
+        };
+        let message = format!("learner {} is not for study \"{}\"{takes}", about.name, study.name());
         return fault(faults, learner_at, message);
     }
     let needs = match about.needs {
-        Needs::Nothing => "no start",
+        Needs::Nothing | Needs::Firings => "no start",
         Needs::Action => "start = \"c\", \"sgn\", \"one\" or \"reference_quartic\"",
         Needs::Sensor => "start = \"reference_cubic\"",
         Needs::Both => "start = \"published\" or another of chapter 4's",
     };
-    if start.map_or(about.needs != Needs::Nothing, |start| !start.fits(about.needs)) {
+    if start.map_or(!matches!(about.needs, Needs::Nothing | Needs::Firings), |start| !start.fits(about.needs)) {
         let start = start.map_or("none", Start::name);
         fault(faults, start_at.unwrap_or(learner_at), format!("learner {} takes {needs}, not {start}", about.name));
     }
