@@ -9,6 +9,7 @@ use proptest::prelude::*;
 const AIBO: &str = include_str!("../scenarios/aibo_1d.toml");
 const BARFOOT: &str = include_str!("../scenarios/barfoot_1d.toml");
 const MRCLAM: &str = include_str!("../scenarios/mrclam.toml");
+const CAR: &str = include_str!("../scenarios/car.toml");
 const PLAIN: &str = include_str!("../scenarios/plain_2d.toml");
 
 fn shown(bad: &Bad) -> String {
@@ -165,6 +166,15 @@ fn rules_are_stated_with_the_value_and_the_remedy() {
         (PLAIN, "sigma2_rad = 0.5", "sigma2_rad = 5.0", "sigma2_rad must lie in 0..=2 rad, not 5"),
         (PLAIN, "vx_rmse_mm_per_s = ", "vx_rmse_mm_s = ", "did you mean `vx_rmse_mm_per_s`?"),
         (PLAIN, "[explore]", "[binning]\nv_cells = 3\n[explore]", "binning belongs to recorded scenarios"),
+        (CAR, "robot = \"car\"", "robot = \"aibo\"", "robot \"car\" and study \"car\" belong together"),
+        (CAR, "[town]", "[field]\n[town]", "field is not for robot \"car\""),
+        (CAR, "\"car_lines\"", "\"batch\"", "learner batch is not for study \"car\", which learns from"),
+        (CAR, "\"car_lines\"", "\"likelihood\"", "learner likelihood is not for study \"car\""),
+        (CAR, "\"redrawn\"", "\"redraw\"", "did you mean `redrawn`?"),
+        (CAR, "speed_percent = 8.25", "speed_per_cent = 8.25", "did you mean `speed_percent`?"),
+        (CAR, "[velodyne]", "[starting]\n[velodyne]", "starting belongs to studies \"plane\" and \"stride\""),
+        (PLAIN, "[explore]", "[town]\n[explore]", "town is not for robot \"plain\""),
+        (PLAIN, "\"em_published\"", "\"car_graph\"", "it learns from a car's laser firings"),
         (BARFOOT, "[windows]", "landmarks = [[1, 2], [3, 4]]\n[windows]", "sets are told apart by their size"),
         (BARFOOT, "[windows]", "landmarks = [[1, 1]]\n[windows]", "at least one, and none twice"),
         (BARFOOT, "[windows]", "robots = [1, 1]\n[windows]", "robots must differ; 1 stands here twice"),

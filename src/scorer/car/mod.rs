@@ -274,3 +274,6 @@ fn steps(track: &[TruePose], commands: &[Command]) -> Vec<Stretch> {
     };
     (0..count).filter_map(step).collect()
 }
+
+#[cfg(test)]
+mod tests;
