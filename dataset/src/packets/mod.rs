@@ -7,7 +7,7 @@
 //! HDL-64E S2 user's manual; `rawdata.h` of ros-drivers/velodyne.) An upper and a lower block of one angle are a
 //! firing, six of them a packet.
 //!
-//! [`write`] makes a capture in the classic pcap format, little endian, of Ethernet frames stamped to the nanosecond.
+//! [`write()`] makes a capture in the classic pcap format, little endian, of Ethernet frames stamped to the nanosecond.
 //! [`read`] takes either order of bytes and micro- or nanoseconds, passes over and counts what is no data packet, and
 //! refuses what is broken, naming the packet by its number in the file, from 1.
 //!

@@ -6,9 +6,9 @@
 //! one ray at a time. Both stand behind [`Caster`].
 //!
 //! What a ray meets is defined without regard to how it is found. For every triangle that the ray
-//! passes, [`facet`] gives a range, in operations that are never fused, written once for every width;
+//! passes, `facet` gives a range, in operations that are never fused, written once for every width;
 //! the answer is the smallest range, and among equal ranges the smallest number of a triangle. The
-//! hierarchy only leaves out triangles that cannot be the answer: boxes are padded for that, see [`bvh`].
+//! hierarchy only leaves out triangles that cannot be the answer: boxes are padded for that, see `bvh`.
 //!
 //! Coordinates are single precision: keep the scene about a local origin. At 500 m from it a coordinate
 //! is known to 0.03 mm, at 50 km to 4 mm.
