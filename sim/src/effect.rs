@@ -5,17 +5,20 @@ use asami_dataset::{Action, Rng, Sighting};
 
 use crate::knobs::Knobs;
 
-/// One unmodelled phenomenon with its parameters.
-///
-/// Most effects only [`tune`](Effect::tune) a constant; those with memory or random draws add a
-/// [`Stage`]. At its null value an effect changes no bit of a log.
-pub trait Effect: Send + Sync {
+/// What the declaration of an effect says of it; written by the `effect!` macro.
+pub trait Declared: Send + Sync {
     /// Its row in the catalogue.
     fn about(&self) -> &'static About;
 
     /// Its parameters' values, in the order of [`About::parameters`].
     fn values(&self) -> Vec<f64>;
+}
 
+/// One unmodelled phenomenon with its parameters.
+///
+/// Most effects only [`tune`](Effect::tune) a constant; those with memory or random draws add a
+/// [`Stage`]. At its null value an effect changes no bit of a log.
+pub trait Effect: Declared {
     /// Turns the knobs as they stand `t_s` seconds into the log.
     fn tune(&self, t_s: f64, knobs: &mut Knobs) {
         let _ = (t_s, knobs);
@@ -97,6 +100,38 @@ pub struct About {
     pub source: &'static str,
     /// Its parameters; each default is the null value, each range the plausible one.
     pub parameters: &'static [Parameter],
+    /// The law by which cases with this effect are planted, and by which a diagnosis expects its sizes: a
+    /// parameter that is not named keeps its null value.
+    pub law: &'static [(&'static str, Draw)],
+}
+
+/// How one parameter of a planted effect is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Draw {
+    /// Away from the null value by a distance drawn log-uniformly; an effect has exactly one such parameter.
+    Size {
+        /// Which way from the null value.
+        way: Way,
+        /// Least distance, half a decade below what a log of 150 s would show.
+        least: f64,
+        /// Greatest distance.
+        greatest: f64,
+    },
+    /// Moves along with the parameter that is sized, by the same distance.
+    Same,
+    /// One of these, each as likely.
+    Choice(&'static [f64]),
+}
+
+/// A direction from the null value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Greater values.
+    Up,
+    /// Smaller values.
+    Down,
+    /// Both, each as likely.
+    Either,
 }
 
 /// Declares an effect's parameters and its row in the catalogue.
@@ -104,6 +139,7 @@ macro_rules! effect {
     (
         $(#[$meta:meta])* $T:ident, $name:literal, $what:literal, $place:ident, $block:ident,
         fits [$($fit:literal),*], source $source:literal,
+        drawn [$($drawn:ident: $draw:expr),* $(,)?],
         { $($body:tt)* }
     ) => {
         asami_dataset::parameters! { $(#[$meta])* pub struct $T { $($body)* } }
@@ -117,8 +153,22 @@ macro_rules! effect {
                         name: $name, what: $what, place: $crate::effect::Place::$place,
                         block: $crate::effect::Block::$block, fits: &[$($fit),*], source: $source,
                         parameters: $T::table(),
+                        law: const {
+                            #[allow(unused_imports)]
+                            use $crate::effect::{Draw::*, Way::*};
+                            &[$((stringify!($drawn), $draw)),*]
+                        },
                     });
                 &ABOUT
+            }
+        }
+        impl $crate::effect::Declared for $T {
+            fn about(&self) -> &'static $crate::effect::About {
+                Self::about()
+            }
+
+            fn values(&self) -> Vec<f64> {
+                asami_dataset::parameters::Parameters::values(self)
             }
         }
     };

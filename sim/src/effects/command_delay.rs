@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use asami_dataset::{Action, Rng};
 
-use crate::effect::{About, Effect, Stage, effect};
+use crate::effect::{Effect, Stage, effect};
 
 effect! {
     /// Every command reaches the gait a fixed time after it was logged.
@@ -12,6 +12,7 @@ effect! {
     "Commands reach the gait generator a fixed time after they were given.",
     Actuation, Timing, fits ["aibo", "plain", "create", "car"],
     source "hobby-servo and radio chains lag by 80 to 160 ms, good drives by under 25 ms",
+    drawn [delay_s: Size { way: Up, least: 0.012, greatest: 0.2 }],
     {
         /// From the logged time to the time it acts.
         delay_s: f64 = 0.0, "s", 0.0..=0.5;
@@ -19,14 +20,6 @@ effect! {
 }
 
 impl Effect for CommandDelay {
-    fn about(&self) -> &'static About {
-        Self::about()
-    }
-
-    fn values(&self) -> Vec<f64> {
-        asami_dataset::parameters::Parameters::values(self)
-    }
-
     fn stage(&self, _rng: Rng) -> Option<Stage> {
         let delay_s = self.delay_s;
         let mut waiting: VecDeque<(f64, Action)> = VecDeque::new();

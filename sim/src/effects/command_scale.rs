@@ -1,6 +1,6 @@
 //! Motors that turn a command into less, or more, than was asked for, from some time on.
 
-use crate::effect::{About, Effect, effect};
+use crate::effect::{Effect, effect};
 use crate::knobs::Knobs;
 
 effect! {
@@ -9,6 +9,7 @@ effect! {
     "The robot attempts a fixed multiple of the commanded velocities.",
     Actuation, StaticMotion, fits ["aibo", "plain", "create"],
     source "Stronger 2008, section 4.4.3: attempted velocities x 3/4 after 8 of 16 minutes",
+    drawn [y_ratio: Size { way: Either, least: 0.01, greatest: 0.25 }, x_ratio: Same, theta_ratio: Same],
     {
         /// Factor on the rightward velocity.
         x_ratio: f64 = 1.0, "1", 0.5..=1.5;
@@ -22,14 +23,6 @@ effect! {
 }
 
 impl Effect for CommandScale {
-    fn about(&self) -> &'static About {
-        Self::about()
-    }
-
-    fn values(&self) -> Vec<f64> {
-        asami_dataset::parameters::Parameters::values(self)
-    }
-
     /// When it begins does not matter where nothing does.
     fn is_null(&self) -> bool {
         [self.x_ratio, self.y_ratio, self.theta_ratio] == [1.0; 3]

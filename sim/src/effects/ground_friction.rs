@@ -1,6 +1,6 @@
 //! A floor more slippery or more grippy than the nominal one.
 
-use crate::effect::{About, Effect, effect};
+use crate::effect::{Effect, effect};
 use crate::knobs::Knobs;
 
 effect! {
@@ -9,6 +9,7 @@ effect! {
     "Feet or tyres grip the ground less, or more, than nominally.",
     Dynamics, StaticMotion, fits ["aibo", "car"],
     source "rubber on carpet to plastic on lino: coefficients of about 1.0 down to 0.15",
+    drawn [ratio: Size { way: Down, least: 0.1, greatest: 0.8 }],
     {
         /// Factor on the nominal friction coefficient.
         ratio: f64 = 1.0, "1", 0.1..=1.5;
@@ -16,14 +17,6 @@ effect! {
 }
 
 impl Effect for GroundFriction {
-    fn about(&self) -> &'static About {
-        Self::about()
-    }
-
-    fn values(&self) -> Vec<f64> {
-        asami_dataset::parameters::Parameters::values(self)
-    }
-
     fn tune(&self, _t_s: f64, knobs: &mut Knobs) {
         knobs.ground.friction *= self.ratio;
     }

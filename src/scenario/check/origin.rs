@@ -321,7 +321,7 @@ fn field_rules(field: &Field, faults: &mut Vec<Fault>) {
 /// Effects must be in range, and fit the robot.
 pub fn effects_fit(effects: &Effects, robot: Robot, faults: &mut Vec<Fault>) {
     effects.check("effects", faults);
-    for about in effects.iter().map(asami_sim::effect::Effect::about) {
+    for about in effects.iter().map(asami_sim::effect::Declared::about) {
         if !about.fits.contains(&robot.name()) {
             let (name, fits, robot) = (about.name, about.fits.join(", "), robot.name());
             fault(faults, &format!("effects.{name}"), format!("{name} fits {fits}, not {robot}"));
