@@ -19,4 +19,5 @@ pub mod study;
 pub mod survey;
 pub mod sweep;
 pub mod trial;
+pub mod twin;
 pub mod verb;

@@ -104,6 +104,12 @@ impl Ride {
         CarWorld::new(&self.car, &town.ground(), Some(known), effects, town.route.at(0.0).into(), seed)
     }
 
+    /// Who drives it along the town's route.
+    #[must_use]
+    pub fn driver(&self, town: &Town, seed: Seed) -> Driver {
+        Driver::new(self.driving.clone(), Feel::default(), town.route.clone(), 0.0, seed.stream("drive"))
+    }
+
     fn unit(&self, seed: Seed) -> Unit {
         match self.unit {
             Angles::Art => Unit::art(),
@@ -118,8 +124,7 @@ impl Ride {
     pub fn dataset(&self, effects: &Effects, until_s: f64, seed: Seed) -> Result<Dataset, CannotSimulate> {
         let town = self.town(seed);
         let mut car = self.on(&town, effects, seed)?;
-        let mut driver =
-            Driver::new(self.driving.clone(), Feel::default(), town.route.clone(), 0.0, seed.stream("drive"));
+        let mut driver = self.driver(&town, seed);
         let mut record = world::record(&mut car, &mut driver, until_s);
         let poses = std::mem::take(&mut record.sensor_poses);
         let mut dataset = world::dataset(&car, record);

@@ -91,14 +91,22 @@ impl Simulation {
     /// # Errors
     /// If the robot cannot be built.
     pub fn dataset(&self, seed: Seed) -> Result<Dataset, CannotSimulate> {
+        if let Policy::Route(ride) = &self.drive {
+            return ride.dataset(&self.effects, self.duration_s, seed);
+        }
+        Ok(world::run(&mut *self.world(seed)?, &mut *self.policy(seed), self.duration_s))
+    }
+
+    /// Who chooses the actions of a case.
+    #[must_use]
+    pub fn policy(&self, seed: Seed) -> Box<dyn Drive> {
         let rng = seed.stream("drive");
-        let mut drive: Box<dyn Drive> = match &self.drive {
+        match &self.drive {
             Policy::Pace(pacing) => Box::new(Pace::new(pacing.clone(), rng)),
             Policy::Stride(pacing) => Box::new(Pace::among(self.suite.strides(), pacing.clone(), rng)),
             Policy::Explore(exploring) => Box::new(Explore::new(exploring.clone(), self.suite.actions(), rng)),
-            Policy::Route(ride) => return ride.dataset(&self.effects, self.duration_s, seed),
-        };
-        Ok(world::run(&mut *self.world(seed)?, &mut *drive, self.duration_s))
+            Policy::Route(ride) => Box::new(ride.driver(&ride.town(seed), seed)),
+        }
     }
 }
 

@@ -84,7 +84,7 @@ pub enum Block {
 }
 
 /// An effect's row in the catalogue.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct About {
     /// Its key under `[effects]`.
     pub name: &'static str,

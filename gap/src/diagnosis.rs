@@ -1,0 +1,169 @@
+//! The answer, in the form of `diagnosis.json`.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// Version of the form.
+pub const SCHEMA: u32 = 1;
+
+/// Where, which and how far.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Diagnosis {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// The answer in one word.
+    pub verdict: Verdict,
+    /// Where the world and the log part, the largest share first; empty where they do not.
+    #[serde(rename = "where")]
+    pub places: Vec<Cell>,
+    /// Causes, the most probable first, *unknown* and *none* among them.
+    pub which: Vec<Cause>,
+    /// The smallest set of causes that holds the true one in 90 % of the calibration's cases; each a list
+    /// of effects, or of the one word `unknown` or `none`.
+    pub set90: Vec<Vec<String>>,
+    /// Effects that this log cannot split, by groups of two and more.
+    pub cannot_tell_apart: Vec<Vec<String>>,
+    /// What to record to split what is tied; `None` where nothing is.
+    pub next_experiment: Option<String>,
+    /// For each effect's sized parameter, `NAME.PARAM`, the smallest distance from its null value that this
+    /// log would have shown.
+    pub smallest_visible: BTreeMap<String, f64>,
+    /// What the probabilities were calibrated on; `None`: they are the evidence as it is.
+    pub calibrated_on: Option<CalibratedOn>,
+    /// The gap before and after the most probable cause is added.
+    pub how_far: HowFar,
+}
+
+/// The answer in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// One group of one effect, or of several at once.
+    Named,
+    /// Several causes that cannot be told apart.
+    Tied,
+    /// A cause that is in nobody's list.
+    Unknown,
+    /// No gap.
+    None,
+}
+
+impl Verdict {
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Named => "named",
+            Verdict::Tied => "tied",
+            Verdict::Unknown => "unknown",
+            Verdict::None => "none",
+        }
+    }
+}
+
+/// What differs in a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// The mean.
+    Bias,
+    /// The scatter.
+    Spread,
+    /// The correlation in time.
+    Memory,
+}
+
+/// A channel in a regime.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// One of the channels that every report uses: `forward`, `height_px`, ...
+    pub channel: String,
+    /// In words.
+    pub regime: String,
+    /// What differs.
+    pub kind: Kind,
+    /// Share of the gap.
+    pub share: f64,
+    /// Its 95 % interval.
+    pub interval: [f64; 2],
+    /// Probability of so large a difference where there is none.
+    pub p: f64,
+}
+
+/// A cause.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cause {
+    /// Effects' names, or the one word `unknown` or `none`.
+    pub effects: Vec<String>,
+    /// Its probability.
+    pub probability: f64,
+    /// Logarithm of its evidence over that of *none*.
+    #[serde(default)]
+    pub evidence_nats: f64,
+    /// Probability of so bad a fit where the cause is true; `None` where that was not tried.
+    #[serde(default)]
+    pub adequacy_p: Option<f64>,
+    /// Where it acts: `actuation`, `dynamics`, `sensing` or `scene`.
+    #[serde(default)]
+    pub place: Option<String>,
+    /// Of *unknown*: the flexible block that it shows in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub block: Option<String>,
+    /// Of *unknown*: an effect of the catalogue that would act alike.
+    #[serde(default)]
+    pub behaves_like: Option<String>,
+    /// Values, by `NAME.PARAM`.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, Estimate>,
+}
+
+/// A value with its uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// The value, in the parameter's unit.
+    pub value: f64,
+    /// Its 90 % interval.
+    pub interval: [f64; 2],
+}
+
+/// What probabilities were calibrated on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CalibratedOn {
+    /// The scenario.
+    pub scenario: String,
+    /// Planted cases.
+    pub cases: usize,
+    /// How their effects and sizes were drawn, in words.
+    pub size_law: String,
+}
+
+/// The gap before and after, on blocks that no fit has seen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HowFar {
+    /// What the numbers are, in words.
+    pub comment: String,
+    /// Nats per observation by which the log is less likely than under the best adequate model.
+    pub excess_before: f64,
+    /// The same with the cause added.
+    pub excess_after: f64,
+    /// Nats per observation more than the world itself expects.
+    pub misfit_before: f64,
+    /// The same with the cause added.
+    pub misfit_after: f64,
+    /// `1 - excess_after / excess_before`; `None` where the excess's interval holds 0.
+    pub closed: Option<f64>,
+    /// 95 % interval of `closed`, by a paired block bootstrap.
+    pub interval: Option<[f64; 2]>,
+    /// Root mean squares by channel.
+    pub channels: BTreeMap<String, Rms>,
+}
+
+/// Root mean square of a channel's innovations, in its unit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rms {
+    /// In the nominal world.
+    pub rms_before: f64,
+    /// With the cause added.
+    pub rms_after: f64,
+}

@@ -1,0 +1,15 @@
+//! The gap between a nominal world and a log: where they part, which unmodelled effect parts them, and
+//! how far the gap shrinks once that effect is added.
+//!
+//! The world's answer to commands, and its sensor's to what stands around it, are learned once from
+//! simulated runs into a [`Library`]: nominally, and with each effect at several sizes. A log is then
+//! filtered with each hypothesis's response in the place of the nominal one, and its likelihood decides.
+//! Nothing here reads files or clocks, or prints.
+
+pub mod diagnosis;
+pub mod nominal;
+pub mod plant;
+
+pub use diagnosis::Diagnosis;
+pub use nominal::{CannotPlay, Nominal};
+pub use plant::{Planted, Variant};
