@@ -6,10 +6,19 @@
 //! filtered with each hypothesis's response in the place of the nominal one, and its likelihood decides.
 //! Nothing here reads files or clocks, or prints.
 
+pub mod columns;
 pub mod diagnosis;
+pub mod filter;
+pub mod fit;
+pub mod judge;
+pub mod library;
 pub mod nominal;
 pub mod plant;
+pub mod shape;
+pub mod view;
 
 pub use diagnosis::Diagnosis;
+pub use judge::Judge;
+pub use library::{Budget, Library};
 pub use nominal::{CannotPlay, Nominal};
 pub use plant::{Planted, Variant};

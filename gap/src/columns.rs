@@ -1,0 +1,249 @@
+//! What a robot's motion may hang on: the columns of the regression from commands to velocities.
+//!
+//! A legged or wheeled robot's velocity at a time is a curve in the command in force, plus what still
+//! lingers of the commands of the last second, plus what hangs on the heading (slopes), on the time in
+//! the log (wear) and, before a single landmark, on where it was last seen (a heading held below the
+//! command).
+
+use std::collections::BTreeSet;
+
+use asami_dataset::{Action, Command};
+use serde::{Deserialize, Serialize};
+
+/// Ages of commands between which what lingers of them is averaged, in seconds.
+const AGES_S: [f64; 9] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7, 1.0];
+/// Knots of the curve over a velocity that takes any value.
+const KNOTS: usize = 13;
+/// Columns that grow with time in the log are in units of it.
+const WEAR_S: f64 = 100.0;
+
+/// Attempted velocities: right, forward, counter-clockwise.
+pub type Attempt = [f64; 3];
+
+/// How commands become columns; found out from the commands of the nominal world's own logs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Columns {
+    /// Discrete actions, in order of id; none where commands take any value.
+    ids: Vec<u16>,
+    /// Greatest attempted velocities; 0 where one is never attempted.
+    greatest: Attempt,
+    /// Whether a heading shows: there is more than one landmark.
+    pub heading: bool,
+}
+
+/// The columns' groups, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// A curve in the command in force.
+    Curve,
+    /// What lingers of earlier commands.
+    Lingering,
+    /// Cosine and sine of the heading while moving.
+    Heading,
+    /// Last bearing of the only landmark, while moving.
+    Held,
+    /// Growing with time in the log.
+    Wear,
+}
+
+impl Columns {
+    /// Columns for commands like these.
+    #[must_use]
+    pub fn new<'a>(commands: impl Iterator<Item = &'a Command>, landmarks: usize) -> Self {
+        let (mut ids, mut any, mut greatest) = (BTreeSet::new(), false, [0.0_f64; 3]);
+        for command in commands {
+            let (id, attempt) = attempt(&command.action);
+            let moves = attempt != [0.0; 3];
+            match id {
+                Some(id) if moves => drop(ids.insert(id)),
+                Some(_) => {}
+                None => any |= moves,
+            }
+            for (greatest, attempt) in greatest.iter_mut().zip(attempt) {
+                *greatest = greatest.max(attempt.abs());
+            }
+        }
+        let ids = if any { Vec::new() } else { ids.into_iter().collect() };
+        Self { ids, greatest, heading: landmarks > 1 }
+    }
+
+    /// How many columns each group has.
+    #[must_use]
+    pub fn width(&self, group: Group) -> usize {
+        let varying = self.greatest.iter().filter(|greatest| **greatest > 0.0).count();
+        match group {
+            Group::Curve if self.ids.is_empty() => varying * KNOTS + varying * varying.saturating_sub(1) / 2,
+            Group::Curve => self.ids.len(),
+            Group::Lingering => 3 * (AGES_S.len() - 1),
+            Group::Heading => 2,
+            Group::Held => 1,
+            Group::Wear => 4,
+        }
+    }
+
+    /// Where a group's columns are.
+    #[must_use]
+    pub fn range(&self, group: Group) -> std::ops::Range<usize> {
+        let order = [Group::Curve, Group::Lingering, Group::Heading, Group::Held, Group::Wear];
+        let start = order.iter().take_while(|it| **it != group).map(|it| self.width(*it)).sum::<usize>();
+        start..start + self.width(group)
+    }
+
+    /// How many columns there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.range(Group::Wear).end
+    }
+
+    /// Whether nothing is ever commanded.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.greatest == [0.0; 3]
+    }
+
+    /// Discrete actions of `commands` that these columns do not know.
+    #[must_use]
+    pub fn unknown(&self, commands: &[Command]) -> Vec<u16> {
+        let known = |id: &u16| self.ids.contains(id);
+        let of = |command: &Command| attempt(&command.action);
+        let ids = commands.iter().map(of).filter(|(_, attempt)| *attempt != [0.0; 3]).filter_map(|(id, _)| id);
+        let unknown: BTreeSet<u16> = ids.filter(|id| !self.ids.is_empty() && !known(id)).collect();
+        unknown.into_iter().collect()
+    }
+
+    /// Fills the row of the interval from `from_s` to `to_s` (of the heading's columns the first, with the
+    /// share of the interval in which the robot attempts to move), and gives the velocities attempted, in
+    /// shares of the greatest.
+    pub fn fill(
+        &self,
+        commands: &[Command],
+        from_s: f64,
+        to_s: f64,
+        held_rad: Option<f64>,
+        row: &mut [f64],
+    ) -> Attempt {
+        row.fill(0.0);
+        let curve = self.range(Group::Curve);
+        let (mut now, mut moving) = ([0.0; 3], 0.0);
+        each(commands, from_s, to_s, |share, action| {
+            let (id, attempt) = attempt(action);
+            let u = self.normalised(attempt);
+            for (now, u) in now.iter_mut().zip(u) {
+                *now += share * u;
+            }
+            if attempt != [0.0; 3] {
+                moving += share;
+            }
+            self.curve(id, u, share, &mut row[curve.clone()]);
+        });
+        let middle_s = 0.5 * (from_s + to_s);
+        let lingering = &mut row[self.range(Group::Lingering)];
+        for (ages_s, columns) in AGES_S.windows(2).zip(lingering.chunks_exact_mut(3)) {
+            let mut then = [0.0; 3];
+            each(commands, middle_s - ages_s[1], middle_s - ages_s[0], |share, action| {
+                for (then, u) in then.iter_mut().zip(self.normalised(attempt(action).1)) {
+                    *then += share * u;
+                }
+            });
+            for ((column, then), now) in columns.iter_mut().zip(then).zip(now) {
+                *column = then - now;
+            }
+        }
+        row[self.range(Group::Heading).start] = moving;
+        if let Some(held_rad) = held_rad.filter(|_| !self.heading) {
+            row[self.range(Group::Held).start] = moving * held_rad.clamp(-0.4, 0.4);
+        }
+        let wear = &mut row[self.range(Group::Wear)];
+        for (column, value) in wear.iter_mut().zip([now[0], now[1], now[2], moving]) {
+            *column = value * middle_s / WEAR_S;
+        }
+        now
+    }
+
+    fn normalised(&self, attempt: Attempt) -> Attempt {
+        std::array::from_fn(|i| if self.greatest[i] > 0.0 { attempt[i] / self.greatest[i] } else { 0.0 })
+    }
+
+    fn curve(&self, id: Option<u16>, u: Attempt, share: f64, columns: &mut [f64]) {
+        if !self.ids.is_empty() {
+            if let Some(column) = id.and_then(|id| self.ids.binary_search(&id).ok()) {
+                columns[column] += share;
+            }
+            return;
+        }
+        let varying: Vec<f64> = (0..3).filter(|i| self.greatest[*i] > 0.0).map(|i| u[i]).collect();
+        for (u, hats) in varying.iter().zip(columns.chunks_exact_mut(KNOTS)) {
+            let at = (u.clamp(-1.0, 1.0) + 1.0) * 0.5 * (KNOTS - 1) as f64;
+            let knot = (at.floor() as usize).min(KNOTS - 2);
+            hats[knot] += share * (knot as f64 + 1.0 - at);
+            hats[knot + 1] += share * (at - knot as f64);
+        }
+        let pairs = (0..varying.len()).flat_map(|i| (i + 1..varying.len()).map(move |j| (i, j)));
+        for ((i, j), column) in pairs.zip(&mut columns[varying.len() * KNOTS..]) {
+            *column += share * varying[i] * varying[j];
+        }
+    }
+}
+
+/// The velocities that an action attempts, and its id. Pedals attempt none.
+fn attempt(action: &Action) -> (Option<u16>, Attempt) {
+    match *action {
+        Action::Legs { id, ax_m_per_s, ay_m_per_s, atheta_rad_per_s } => {
+            (id, [ax_m_per_s, ay_m_per_s, atheta_rad_per_s])
+        }
+        Action::Wheels { id, v_m_per_s, omega_rad_per_s } => (id, [0.0, v_m_per_s, omega_rad_per_s]),
+        Action::Pedals { .. } => (None, [0.0; 3]),
+    }
+}
+
+/// Every action in force between two times, with its share of the span. Before the first command none is.
+fn each(commands: &[Command], from_s: f64, to_s: f64, mut with: impl FnMut(f64, &Action)) {
+    let span_s = to_s - from_s;
+    if span_s <= 0.0 {
+        return;
+    }
+    let first = commands.partition_point(|command| command.t_s <= from_s).saturating_sub(1);
+    for (i, command) in commands.iter().enumerate().skip(first).take_while(|(_, command)| command.t_s < to_s) {
+        let until_s = commands.get(i + 1).map_or(to_s, |next| next.t_s.min(to_s));
+        let share = (until_s - command.t_s.max(from_s)) / span_s;
+        if share > 0.0 {
+            with(share, &command.action);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn forward(t_s: f64, ay_m_per_s: f64) -> Command {
+        Command { t_s, action: Action::Legs { id: None, ax_m_per_s: 0.0, ay_m_per_s, atheta_rad_per_s: 0.0 } }
+    }
+
+    #[test]
+    fn a_steady_command_leaves_nothing_lingering_and_hats_add_up_to_one() {
+        let commands = [forward(0.0, 0.3), forward(5.0, -0.15)];
+        let columns = Columns::new(commands.iter(), 1);
+        let mut row = vec![0.0; columns.len()];
+        let now = columns.fill(&commands, 3.0, 3.05, None, &mut row);
+        assert!((now[1] - 1.0).abs() < 1e-12);
+        assert!(row[columns.range(Group::Lingering)].iter().all(|it| it.abs() < 1e-12));
+        assert!((row[columns.range(Group::Curve)].iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_lingers_of_a_command_moves_through_the_ages() {
+        let commands = [forward(0.0, 0.3), forward(5.0, -0.15)];
+        let columns = Columns::new(commands.iter(), 1);
+        let lingering = |from_s: f64| {
+            let mut row = vec![0.0; columns.len()];
+            columns.fill(&commands, from_s, from_s + 0.05, None, &mut row);
+            row[columns.range(Group::Lingering)].chunks(3).map(|it| it[1]).collect::<Vec<_>>()
+        };
+        // 0.125 s after the change, all of what is older than 0.15 s is still the command before: 1 against -0.5.
+        let after = lingering(5.1);
+        assert!((after[3] - 1.5).abs() < 1e-9 && (after[7] - 1.5).abs() < 1e-9, "{after:?}");
+        assert!(after[0].abs() < 1e-9 && (after[2] - 0.75).abs() < 1e-9, "{after:?}");
+        assert!(lingering(6.1).iter().all(|it| it.abs() < 1e-9));
+    }
+}

@@ -1,0 +1,262 @@
+//! How likely a log is under a response: an extended Kalman filter over the robot's pose.
+//!
+//! The motion of each frame interval comes from the response's columns, the size and the bearing of each
+//! landmark from its sensor's. What it gives for every frame is `log p(o_t | past)` (Stronger 2008,
+//! equations 4.13 and 4.14), and the standardised innovations.
+
+use std::f64::consts::TAU;
+
+use asami_math::angle::wrap_rad;
+use asami_math::elementary::{atan2, exp, hypot, ln, sin_cos};
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
+
+use crate::columns::Group;
+use crate::shape::{Numbers, Shape, Sight, speed_class};
+use crate::view::{Seen, View};
+
+/// A pose with its covariance: world x, world y, heading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Belief {
+    /// Mean.
+    pub mean: Vector3<f64>,
+    /// Covariance.
+    pub covariance: Matrix3<f64>,
+}
+
+/// What one sighting said.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Innovation {
+    /// Which step.
+    pub step: usize,
+    /// Which sighting.
+    pub seen: usize,
+    /// Size less its prediction, in pixels or metres; bearing less its prediction, in radians.
+    pub plain: [f64; 2],
+    /// Whitened: of variance 1 and independent of each other, the size's first.
+    pub white: [f64; 2],
+    /// Logarithms of the scales by which they were whitened.
+    pub ln_scale: [f64; 2],
+    /// Probability that it is of the landmark that it says.
+    pub genuine: f64,
+}
+
+/// A filtered log.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Filtered {
+    /// `log p(o_t | past)` by step.
+    pub log_likelihoods: Vec<f64>,
+    /// What the response itself expects of `-log p(o_t | past)`, by step (misfit's `h_t`).
+    pub expected: Vec<f64>,
+    /// Of all sightings, in order.
+    pub innovations: Vec<Innovation>,
+    /// How often each bin of detection was visited.
+    pub visits: Vec<f64>,
+}
+
+impl Filtered {
+    /// Sum over the steps from `first` on.
+    #[must_use]
+    pub fn total(&self, first: usize) -> f64 {
+        self.log_likelihoods.iter().skip(first).fold(0.0, |sum, it| sum + it)
+    }
+}
+
+/// A response's numbers, ready to be used step by step.
+struct Ready<'a> {
+    shape: &'a Shape,
+    numbers: &'a [f64],
+    size: std::ops::Range<usize>,
+    bearing: std::ops::Range<usize>,
+    variances: Vec<f64>,
+    size_vars: Vec<f64>,
+    bearing_vars: Vec<f64>,
+    false_share: f64,
+    ln_genuine: f64,
+    detection: Vec<[f64; 2]>,
+    size_columns: Vec<f64>,
+    bearing_columns: Vec<f64>,
+}
+
+/// Walks through steps `of` of a log from a belief, and leaves the belief as it stands afterwards.
+#[must_use]
+pub fn filter(
+    shape: &Shape,
+    numbers: &[f64],
+    view: &View,
+    of: std::ops::Range<usize>,
+    belief: &mut Belief,
+) -> Filtered {
+    filter_by(shape, [numbers, numbers], |_| false, view, of, belief)
+}
+
+/// The same with a second response in the steps for which `second` says so.
+#[must_use]
+pub fn filter_by(
+    shape: &Shape,
+    numbers: [&[f64]; 2],
+    second: impl Fn(usize) -> bool,
+    view: &View,
+    of: std::ops::Range<usize>,
+    belief: &mut Belief,
+) -> Filtered {
+    let mut both = numbers.map(|numbers| Ready::new(shape, numbers));
+    let mut filtered = Filtered { visits: vec![0.0; shape.width(Numbers::Detection)], ..Filtered::default() };
+    for i in of {
+        let ready = &mut both[usize::from(second(i))];
+        if view.steps[i].dt_s > 0.0 {
+            ready.predict(view, i, belief);
+        }
+        let (mut log_likelihood, mut expected) = (0.0, 0.0);
+        if view.misses {
+            ready.detection(view, i, belief, &mut filtered.visits, &mut log_likelihood, &mut expected);
+        }
+        for seen in view.steps[i].seen.clone() {
+            log_likelihood += ready.update(view, i, seen, belief, &mut filtered.innovations);
+            // The entropy of a Gaussian: 1 for its two squares, and its scales.
+            let scales = filtered.innovations.last().map_or(0.0, |it| it.ln_scale[0] + it.ln_scale[1]);
+            expected += 1.0 + ln(TAU) + scales - ready.ln_genuine;
+        }
+        filtered.log_likelihoods.push(log_likelihood);
+        filtered.expected.push(expected);
+    }
+    filtered
+}
+
+impl<'a> Ready<'a> {
+    fn new(shape: &'a Shape, numbers: &'a [f64]) -> Self {
+        let part = |group| &numbers[shape.range(group)];
+        let logistic = |x: f64| 1.0 / (1.0 + exp(-x));
+        let squares = |group| part(group).iter().map(|it| exp(2.0 * it)).collect::<Vec<_>>();
+        let both = |logit: &f64| [-ln(1.0 + exp(*logit)), -ln(1.0 + exp(-*logit))];
+        let false_share = logistic(part(Numbers::False)[0]);
+        Self {
+            shape,
+            numbers,
+            size: shape.range(Numbers::Size),
+            bearing: shape.range(Numbers::Bearing),
+            variances: part(Numbers::MotionNoise).iter().map(|it| exp(*it)).collect(),
+            size_vars: squares(Numbers::SizeNoise),
+            bearing_vars: squares(Numbers::BearingNoise),
+            false_share,
+            ln_genuine: ln(1.0 - false_share),
+            detection: part(Numbers::Detection).iter().map(both).collect(),
+            size_columns: vec![0.0; shape.width(Numbers::Size)],
+            bearing_columns: vec![0.0; shape.width(Numbers::Bearing)],
+        }
+    }
+
+    /// The displacement of one interval, in the robot's frame.
+    fn displacement(&self, view: &View, i: usize, theta_rad: f64) -> [f64; 3] {
+        let row = view.row(i);
+        let width = row.len();
+        let heading = self.shape.columns.range(Group::Heading).start;
+        let (sin, cos) = sin_cos(theta_rad);
+        let dt_s = view.steps[i].dt_s;
+        std::array::from_fn(|axis| {
+            let numbers = &self.numbers[axis * width..(axis + 1) * width];
+            let plain = row.iter().zip(numbers).fold(0.0, |sum, (column, number)| sum + column * number);
+            // The row holds how much the robot moves where the cosine's column is; the sine's is empty.
+            let turned = row[heading] * (numbers[heading] * (cos - 1.0) + numbers[heading + 1] * sin);
+            dt_s * (plain + turned)
+        })
+    }
+
+    fn predict(&self, view: &View, i: usize, belief: &mut Belief) {
+        let [right, forward, turn] = self.displacement(view, i, belief.mean.z);
+        let (sin, cos) = sin_cos(belief.mean.z);
+        let rotation = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
+        let mut f = Matrix3::identity();
+        f[(0, 2)] = -sin * right - cos * forward;
+        f[(1, 2)] = cos * right - sin * forward;
+        belief.mean += rotation * Vector3::new(right, forward, turn);
+        belief.mean.z = wrap_rad(belief.mean.z);
+        let class = 3 * speed_class(view.steps[i].attempt);
+        let q = Vector3::from_fn(|axis, _| view.steps[i].dt_s * self.variances[class + axis]);
+        belief.covariance =
+            f * belief.covariance * f.transpose() + rotation * Matrix3::from_diagonal(&q) * rotation.transpose();
+    }
+
+    fn sight(&self, view: &View, i: usize, landmark: usize, at: &Vector3<f64>) -> Sight {
+        let step = &view.steps[i];
+        let [x_m, y_m] = view.landmarks[landmark];
+        let (dx, dy) = (x_m - at.x, y_m - at.y);
+        let bearing_rad = wrap_rad(atan2(-dx, dy) - at.z);
+        Sight {
+            distance_m: hypot(dx, dy),
+            bearing_rad,
+            off_rad: wrap_rad(bearing_rad - step.pan_rad),
+            pan_rad_per_s: step.pan_rad_per_s,
+            theta_rad: at.z,
+            landmark,
+            attempt: step.attempt,
+        }
+    }
+
+    /// Adds the logarithm of the probability of what was seen and what was missed, and what is expected of it.
+    fn detection(
+        &self,
+        view: &View,
+        i: usize,
+        belief: &Belief,
+        visits: &mut [f64],
+        log_likelihood: &mut f64,
+        expected: &mut f64,
+    ) {
+        let seen = &view.seen[view.steps[i].seen.clone()];
+        for landmark in 0..view.landmarks.len() {
+            let sight = self.sight(view, i, landmark, &belief.mean);
+            let Some(bin) = self.shape.bin(sight.distance_m, sight.off_rad) else { continue };
+            let [missed, found] = self.detection[bin];
+            *log_likelihood += if seen.iter().any(|it| it.landmark == landmark) { found } else { missed };
+            *expected -= exp(missed) * missed + exp(found) * found;
+            visits[bin] += 1.0;
+        }
+    }
+
+    /// Takes one sighting in, and gives its log-likelihood.
+    fn update(&mut self, view: &View, i: usize, seen: usize, belief: &mut Belief, into: &mut Vec<Innovation>) -> f64 {
+        let Seen { landmark, size, bearing_rad } = view.seen[seen];
+        let sight = self.sight(view, i, landmark, &belief.mean);
+        let mut slopes = [0.0; 4];
+        self.shape.size_columns(&sight, &mut self.size_columns, &mut slopes);
+        self.shape.bearing_columns(&sight, &mut self.bearing_columns);
+        let (for_size, for_bearing) = (&self.numbers[self.size.clone()], &self.numbers[self.bearing.clone()]);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
+        let slope = dot(&slopes[..self.shape.curve_width()], for_size);
+        let plain = Vector2::new(
+            size - dot(&self.size_columns, for_size),
+            wrap_rad(bearing_rad - sight.bearing_rad - dot(&self.bearing_columns, for_bearing)),
+        );
+
+        let d = sight.distance_m.max(0.05);
+        let [x_m, y_m] = view.landmarks[landmark];
+        let (ux, uy) = ((x_m - belief.mean.x) / d, (y_m - belief.mean.y) / d);
+        let h = Matrix2x3::new(-slope * ux, -slope * uy, 0.0, uy / d, -ux / d, -1.0);
+        let band = self.shape.band(sight.distance_m);
+        let r = Matrix2::from_diagonal(&Vector2::new(self.size_vars[band], self.bearing_vars[band]));
+        let s = h * belief.covariance * h.transpose() + r;
+        let Some(cholesky) = s.cholesky() else {
+            let lost = [f64::NAN; 2];
+            into.push(Innovation { step: i, seen, plain: lost, white: lost, ln_scale: [0.0; 2], genuine: 0.0 });
+            return f64::NEG_INFINITY;
+        };
+        let l = cholesky.l();
+        let white = Vector2::new(plain.x / l[(0, 0)], (plain.y - l[(1, 0)] * plain.x / l[(0, 0)]) / l[(1, 1)]);
+        let density = self.ln_genuine - 0.5 * white.norm_squared() - ln(TAU * l[(0, 0)] * l[(1, 1)]);
+        let elsewhere = ln(self.false_share / (self.shape.size_span * TAU));
+        let greater = density.max(elsewhere);
+        let log_likelihood = greater + ln(exp(density - greater) + exp(elsewhere - greater));
+        let genuine = exp(density - log_likelihood);
+        let ln_scale = [ln(l[(0, 0)]), ln(l[(1, 1)])];
+        into.push(Innovation { step: i, seen, plain: plain.into(), white: white.into(), ln_scale, genuine });
+        if genuine > 0.5 {
+            let gain = belief.covariance * h.transpose() * cholesky.inverse();
+            belief.mean += gain * plain;
+            belief.mean.z = wrap_rad(belief.mean.z);
+            let kept = Matrix3::identity() - gain * h;
+            // Joseph's form keeps the covariance symmetric and positive.
+            belief.covariance = kept * belief.covariance * kept.transpose() + gain * r * gain.transpose();
+        }
+        log_likelihood
+    }
+}

@@ -1,0 +1,200 @@
+//! The response library: how the nominal world answers commands and looks at landmarks, and how each
+//! effect changes that, by its size.
+
+use asami_dataset::{Dataset, Seed};
+use asami_math::elementary::{exp, ln};
+use asami_sim::effect::Block;
+use asami_sim::world;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::fit::{Free, fit, shape};
+use crate::nominal::{CannotPlay, Nominal};
+use crate::plant::{Planted, Variant};
+use crate::shape::Shape;
+
+/// How much is played for a library.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Budget {
+    /// Nominal runs.
+    pub nominal_runs: u64,
+    /// Runs with each kind of effect at each size.
+    pub runs: u64,
+    /// Sizes of each kind of effect, log-spaced from its least to its greatest.
+    pub sizes: usize,
+    /// Length of a run in seconds.
+    pub run_s: f64,
+}
+
+impl Default for Budget {
+    fn default() -> Self {
+        Self { nominal_runs: 16, runs: 4, sizes: 4, run_s: 150.0 }
+    }
+}
+
+/// Seeds of a library's runs begin here: no case is ever given one of them.
+const FIRST_SEED: u64 = 7_000_000_000;
+
+/// The nominal response, and what effects change of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Library {
+    /// Nominally.
+    pub base: Base,
+    /// Kinds of effects.
+    pub entries: Vec<Entry>,
+}
+
+/// The nominal response.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Base {
+    /// What the numbers mean.
+    pub shape: Shape,
+    /// The numbers.
+    pub numbers: Vec<f64>,
+}
+
+/// What one kind of effect changes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    /// [`Variant::name`].
+    pub kind: String,
+    /// Sizes played, increasing.
+    pub sizes: Vec<f64>,
+    /// Changes of the nominal numbers at these sizes.
+    changes: Vec<Vec<f64>>,
+    /// Whether a change grows as a parabola in the size; from size to size in straight lines else.
+    smooth: bool,
+}
+
+/// Why there is no library.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CannotLearn {
+    /// A world that cannot be played.
+    #[error(transparent)]
+    Play(#[from] CannotPlay),
+    /// No landmark is ever seen in it.
+    #[error("in the nominal world's own logs no landmark is ever seen: nothing would show a gap")]
+    Blind,
+}
+
+/// Logs of a nominal world with these effects in it.
+///
+/// # Errors
+/// If the world cannot be played.
+pub fn play(nominal: &dyn Nominal, planted: &[Planted], seed: Seed, until_s: f64) -> Result<Dataset, CannotPlay> {
+    let mut effects = nominal.effects().clone();
+    for Planted { variant, size } in planted {
+        variant.plant(*size, &mut effects);
+    }
+    Ok(world::run(&mut *nominal.world(&effects, seed)?, &mut *nominal.drive(seed), until_s))
+}
+
+impl Base {
+    /// Plays and learns the nominal response.
+    ///
+    /// # Errors
+    /// If the world cannot be played, or nothing is seen in it.
+    pub fn learn(nominal: &dyn Nominal, budget: &Budget) -> Result<Self, CannotLearn> {
+        let seeds: Vec<u64> = (0..budget.nominal_runs).collect();
+        let runs: Result<Vec<Dataset>, CannotPlay> =
+            seeds.into_par_iter().map(|i| play(nominal, &[], Seed(FIRST_SEED + i), budget.run_s)).collect();
+        let runs = runs?;
+        let shape = shape(&runs).ok_or(CannotLearn::Blind)?;
+        let numbers = fit(&shape, &runs, &vec![0.0; shape.len()], Free { wear: false });
+        Ok(Self { shape, numbers })
+    }
+}
+
+impl Entry {
+    /// Plays one kind of effect at its sizes, with the seeds of the first nominal runs, and learns what it changes.
+    ///
+    /// # Errors
+    /// If the world cannot be played.
+    pub fn learn(nominal: &dyn Nominal, base: &Base, variant: &Variant, budget: &Budget) -> Result<Self, CannotPlay> {
+        let (least, greatest) = variant.sizes();
+        let n = budget.sizes.max(2);
+        let share = |i: usize| i as f64 / (n - 1) as f64;
+        let sizes: Vec<f64> = (0..n).map(|i| least * exp(share(i) * ln(greatest / least))).collect();
+        let free = Free { wear: variant.block() == Block::Drift };
+        let mut changes = Vec::with_capacity(n);
+        for size in &sizes {
+            let planted = [Planted { variant: variant.clone(), size: *size }];
+            let runs: Result<Vec<Dataset>, CannotPlay> =
+                (0..budget.runs).map(|i| play(nominal, &planted, Seed(FIRST_SEED + i), budget.run_s)).collect();
+            let numbers = fit(&base.shape, &runs?, &base.numbers, free);
+            changes.push(numbers.iter().zip(&base.numbers).map(|(with, without)| with - without).collect());
+        }
+        Ok(Self { kind: variant.name(), sizes, changes, smooth: variant.block() != Block::Timing })
+    }
+
+    /// Adds the change at a size to `numbers`.
+    pub fn add(&self, size: f64, numbers: &mut [f64]) {
+        let weights = if self.smooth { self.parabola(size) } else { self.straight(size) };
+        for (weight, change) in weights.into_iter().zip(&self.changes).filter(|(weight, _)| *weight != 0.0) {
+            for (number, change) in numbers.iter_mut().zip(change) {
+                *number += weight * change;
+            }
+        }
+    }
+
+    /// Weights of the changes in `a s + b s^2`, fitted to all of them by least squares.
+    fn parabola(&self, size: f64) -> Vec<f64> {
+        let unit = self.sizes.last().copied().unwrap_or(1.0);
+        let s: Vec<f64> = self.sizes.iter().map(|size| size / unit).collect();
+        let power = |n: i32| s.iter().fold(0.0, |sum, s| sum + s.powi(n));
+        let (s2, s3, s4) = (power(2), power(3), power(4));
+        let determinant = s2 * s4 - s3 * s3;
+        let x = size / unit;
+        let weight = |s: &f64| {
+            let a = (s4 * s - s3 * s * s) / determinant;
+            let b = (s2 * s * s - s3 * s) / determinant;
+            a * x + b * x * x
+        };
+        s.iter().map(weight).collect()
+    }
+
+    /// Weights of the changes on straight lines from size to size, from none at all.
+    fn straight(&self, size: f64) -> Vec<f64> {
+        let mut weights = vec![0.0; self.sizes.len()];
+        let above = self.sizes.partition_point(|it| *it < size).min(self.sizes.len() - 1);
+        let low = above.checked_sub(1).map_or(0.0, |below| self.sizes[below]);
+        let share = (size - low) / (self.sizes[above] - low);
+        weights[above] = share;
+        if let Some(below) = above.checked_sub(1) {
+            weights[below] = 1.0 - share;
+        }
+        weights
+    }
+}
+
+impl Library {
+    /// Plays and learns all of it.
+    ///
+    /// # Errors
+    /// If the world cannot be played, or nothing is seen in it.
+    pub fn learn(nominal: &dyn Nominal, variants: &[Variant], budget: &Budget) -> Result<Self, CannotLearn> {
+        let base = Base::learn(nominal, budget)?;
+        let learn = |variant: &Variant| Entry::learn(nominal, &base, variant, budget);
+        let entries: Result<Vec<Entry>, CannotPlay> = variants.par_iter().map(learn).collect();
+        Ok(Self { entries: entries?, base })
+    }
+
+    /// The entry of a kind of effect.
+    #[must_use]
+    pub fn entry(&self, variant: &Variant) -> Option<&Entry> {
+        let name = variant.name();
+        self.entries.iter().find(|entry| entry.kind == name)
+    }
+
+    /// The response with these effects in it; one that the library does not know changes nothing.
+    #[must_use]
+    pub fn numbers(&self, planted: &[Planted]) -> Vec<f64> {
+        let mut numbers = self.base.numbers.clone();
+        for Planted { variant, size } in planted {
+            if let Some(entry) = self.entry(variant) {
+                entry.add(*size, &mut numbers);
+            }
+        }
+        numbers
+    }
+}

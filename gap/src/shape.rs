@@ -1,0 +1,209 @@
+//! What the numbers of a response mean: which of them is what, and what each is multiplied with.
+
+use asami_math::elementary::{cos, sin, sin_cos};
+use serde::{Deserialize, Serialize};
+
+use crate::columns::{Attempt, Columns};
+
+/// Classes of attempted speed, each with motion noise of its own: standing, slow, fast.
+pub const SPEEDS: usize = 3;
+/// Attempts from this share of the greatest on are fast.
+const FAST: f64 = 0.5;
+/// Bands of distance, each with sensor noise of its own.
+pub const BANDS: usize = 3;
+/// Bins of distance in which the share of landmarks seen is counted.
+const FAR_BINS: usize = 4;
+/// Bins of the angle off the image's centre, the same.
+const OFF_BINS: usize = 5;
+
+/// The layout of a response's numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shape {
+    /// Of motion.
+    pub columns: Columns,
+    /// How many landmarks there are.
+    pub landmarks: usize,
+    /// Whether sizes are ranges in metres; heights in pixels else.
+    pub ranges: bool,
+    /// Between these distances landmarks are seen, in metres.
+    pub near_far_m: [f64; 2],
+    /// Up to this angle from the image's centre they are seen.
+    pub off_rad: f64,
+    /// From least to greatest size.
+    pub size_span: f64,
+}
+
+/// A landmark from where the robot stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// Distance from the body's centre.
+    pub distance_m: f64,
+    /// Counter-clockwise from straight ahead.
+    pub bearing_rad: f64,
+    /// Counter-clockwise from where the head looks.
+    pub off_rad: f64,
+    /// How fast the head turns.
+    pub pan_rad_per_s: f64,
+    /// The robot's heading.
+    pub theta_rad: f64,
+    /// Index of the landmark.
+    pub landmark: usize,
+    /// Velocities attempted, in shares of the greatest.
+    pub attempt: Attempt,
+}
+
+/// Groups of numbers, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Numbers {
+    /// Displacements in m/s and rad/s for each column: all rightward ones, all forward ones, all turns.
+    Motion,
+    /// Logarithms of the displacements' variances in one second: by class of speed, then axis.
+    MotionNoise,
+    /// The size for each of its columns.
+    Size,
+    /// What is added to the true bearing, for each of its columns.
+    Bearing,
+    /// Logarithms of the sizes' standard deviations, by band of distance.
+    SizeNoise,
+    /// Logarithms of the bearings' standard deviations, by band of distance.
+    BearingNoise,
+    /// Log-odds of a sighting that is of something else.
+    False,
+    /// Log-odds of being seen, by bin of distance and angle.
+    Detection,
+}
+
+/// All groups.
+pub const ORDER: [Numbers; 8] = [
+    Numbers::Motion,
+    Numbers::MotionNoise,
+    Numbers::Size,
+    Numbers::Bearing,
+    Numbers::SizeNoise,
+    Numbers::BearingNoise,
+    Numbers::False,
+    Numbers::Detection,
+];
+
+impl Shape {
+    /// How many numbers a group has.
+    #[must_use]
+    pub fn width(&self, group: Numbers) -> usize {
+        match group {
+            Numbers::Motion => 3 * self.columns.len(),
+            Numbers::MotionNoise => 3 * SPEEDS,
+            Numbers::Size => self.curve_width() + 3 + self.moved_width(),
+            Numbers::Bearing => 6 + self.moved_width(),
+            Numbers::SizeNoise | Numbers::BearingNoise => BANDS,
+            Numbers::False => 1,
+            Numbers::Detection => FAR_BINS * OFF_BINS,
+        }
+    }
+
+    /// Where a group's numbers are.
+    #[must_use]
+    pub fn range(&self, group: Numbers) -> std::ops::Range<usize> {
+        let start = ORDER.iter().take_while(|it| **it != group).map(|it| self.width(*it)).sum::<usize>();
+        start..start + self.width(group)
+    }
+
+    /// How many numbers there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.range(Numbers::Detection).end
+    }
+
+    /// Never: there is always a sensor.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// How many of the size's columns are its curve in the distance.
+    #[must_use]
+    pub fn curve_width(&self) -> usize {
+        if self.ranges { 3 } else { 4 }
+    }
+
+    /// Two columns a landmark for a place that is not the declared one; a single landmark's cannot be told from the
+    /// robot's own.
+    fn moved_width(&self) -> usize {
+        if self.landmarks > 1 { 2 * self.landmarks } else { 0 }
+    }
+
+    /// Fills the size's columns, and their derivatives with respect to the distance for those of its curve.
+    pub fn size_columns(&self, sight: &Sight, columns: &mut [f64], slopes: &mut [f64; 4]) {
+        columns.fill(0.0);
+        let d = sight.distance_m.max(0.05);
+        // A height falls as 1/d, and so does what moves it.
+        let fall = if self.ranges {
+            columns[..3].copy_from_slice(&[1.0, d, d * d]);
+            *slopes = [0.0, 1.0, 2.0 * d, 0.0];
+            1.0
+        } else {
+            let x = 1.0 / d;
+            columns[..4].copy_from_slice(&[1.0, x, x * x, d]);
+            *slopes = [0.0, -x * x, -2.0 * x * x * x, 1.0];
+            x * x
+        };
+        let (sin_b, cos_b) = sin_cos(sight.bearing_rad);
+        let [right, forward, turn] = sight.attempt;
+        let extra = self.curve_width();
+        columns[extra] = sight.off_rad * sight.off_rad;
+        columns[extra + 1] = (right * right + forward * forward + turn * turn).sqrt();
+        columns[extra + 2] = fall * (forward * cos_b - right * sin_b);
+        if self.landmarks > 1 {
+            // The world's y axis is bearing 0 of a robot with heading 0.
+            let towards = sight.bearing_rad + sight.theta_rad;
+            let at = extra + 3 + 2 * sight.landmark;
+            columns[at] = -fall * sin(towards);
+            columns[at + 1] = fall * cos(towards);
+        }
+    }
+
+    /// Fills the bearing's columns.
+    pub fn bearing_columns(&self, sight: &Sight, columns: &mut [f64]) {
+        columns.fill(0.0);
+        let d = sight.distance_m.max(0.05);
+        let off = sight.off_rad;
+        columns[..6].copy_from_slice(&[
+            1.0,
+            off,
+            off * off * off,
+            sight.pan_rad_per_s,
+            sight.attempt[2],
+            sin(sight.bearing_rad) / d,
+        ]);
+        if self.landmarks > 1 {
+            let towards = sight.bearing_rad + sight.theta_rad;
+            let at = 6 + 2 * sight.landmark;
+            columns[at] = cos(towards) / d;
+            columns[at + 1] = sin(towards) / d;
+        }
+    }
+
+    /// Which band of distance.
+    #[must_use]
+    pub fn band(&self, distance_m: f64) -> usize {
+        let [near_m, far_m] = self.near_far_m;
+        let share = (distance_m - near_m) / (far_m - near_m).max(1e-9);
+        ((share * BANDS as f64).clamp(0.0, BANDS as f64 - 1.0)) as usize
+    }
+
+    /// Which bin of the shares seen; `None` where a landmark is not expected to be seen at all.
+    #[must_use]
+    pub fn bin(&self, distance_m: f64, off_rad: f64) -> Option<usize> {
+        let [near_m, far_m] = self.near_far_m;
+        let far = (distance_m - near_m) / (far_m - near_m).max(1e-9) * FAR_BINS as f64;
+        let off = off_rad.abs() / self.off_rad.max(1e-9) * OFF_BINS as f64;
+        let within = (0.0..FAR_BINS as f64).contains(&far) && off < OFF_BINS as f64;
+        within.then(|| far as usize * OFF_BINS + off as usize)
+    }
+}
+
+/// Which class of speed.
+#[must_use]
+pub fn speed_class(attempt: Attempt) -> usize {
+    let speed = attempt.iter().fold(0.0, |sum, u| sum + u * u).sqrt();
+    usize::from(speed > 1e-6) + usize::from(speed >= FAST)
+}

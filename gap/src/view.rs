@@ -1,0 +1,147 @@
+//! A log as the filter walks through it: frames, the rows of the motion's columns, and what was seen.
+
+use asami_dataset::{Frame, Log, Size};
+
+use crate::columns::Columns;
+
+/// A log that cannot be diagnosed, and why.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CannotSee {
+    /// Fewer frames than a gap can show in.
+    #[error("the log has {frames} frames, {seen} of them with a sighting: at least {least} are needed to say anything")]
+    TooShort {
+        /// Frames.
+        frames: usize,
+        /// Frames with a sighting.
+        seen: usize,
+        /// What is needed.
+        least: usize,
+    },
+    /// Actions that the nominal world's drive never takes.
+    #[error("the log has discrete actions that the nominal world does not know: {0:?}")]
+    UnknownActions(Vec<u16>),
+    /// A landmark nobody declared.
+    #[error("the log has a sighting of landmark {0}, which it does not declare")]
+    UnknownLandmark(u16),
+}
+
+/// One landmark in one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Index among the landmarks.
+    pub landmark: usize,
+    /// Height in pixels, or range in metres.
+    pub size: f64,
+    /// Counter-clockwise from straight ahead.
+    pub bearing_rad: f64,
+}
+
+/// One frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Its time.
+    pub t_s: f64,
+    /// Since the frame before; 0 for the first.
+    pub dt_s: f64,
+    /// Where the head looks.
+    pub pan_rad: f64,
+    /// How fast it turns.
+    pub pan_rad_per_s: f64,
+    /// Velocities attempted meanwhile, in shares of the greatest: right, forward, counter-clockwise.
+    pub attempt: [f64; 3],
+    /// Sightings of it.
+    pub seen: std::ops::Range<usize>,
+}
+
+/// A log, ready to be filtered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// Frames in order of time.
+    pub steps: Vec<Step>,
+    /// Rows of the motion's columns, one after another.
+    rows: Vec<f64>,
+    width: usize,
+    /// Everything seen, frame by frame.
+    pub seen: Vec<Seen>,
+    /// Landmarks: world x and y.
+    pub landmarks: Vec<[f64; 2]>,
+    /// Whether sizes are ranges in metres; heights in pixels else.
+    pub ranges: bool,
+    /// Whether frames without sightings are in the log, so that a miss says something.
+    pub misses: bool,
+}
+
+/// Fewer frames with sightings than this say nothing.
+pub const LEAST_SEEN: usize = 20;
+/// The heading hold forgets a landmark not seen for this long.
+const HELD_S: f64 = 1.0;
+
+impl View {
+    /// The view of a log through `columns`.
+    ///
+    /// # Errors
+    /// [`CannotSee`] says what the log lacks.
+    pub fn new(log: &Log, columns: &Columns) -> Result<Self, CannotSee> {
+        let unknown = columns.unknown(&log.commands);
+        if !unknown.is_empty() {
+            return Err(CannotSee::UnknownActions(unknown));
+        }
+        let frames = frames(log);
+        let mut view = Self {
+            steps: Vec::with_capacity(frames.len()),
+            rows: vec![0.0; frames.len() * columns.len()],
+            width: columns.len(),
+            seen: Vec::with_capacity(log.sightings.len()),
+            landmarks: log.known.landmarks.iter().map(|it| [it.x_m, it.y_m]).collect(),
+            ranges: log.sightings.iter().any(|it| matches!(it.size, Size::RangeM(_))),
+            misses: log.frames.is_some(),
+        };
+        let mut held: Option<(f64, f64)> = None;
+        let mut next = 0;
+        for (i, frame) in frames.iter().enumerate() {
+            let before = i.checked_sub(1).map(|before| &frames[before]);
+            let dt_s = before.map_or(0.0, |before| frame.t_s - before.t_s);
+            let turned = before.map_or(0.0, |before| frame.head_pan_rad - before.head_pan_rad);
+            let held_rad = held.filter(|(t_s, _)| frame.t_s - t_s <= HELD_S).map(|(_, bearing_rad)| bearing_rad);
+            let row = &mut view.rows[i * columns.len()..(i + 1) * columns.len()];
+            let attempt = columns.fill(&log.commands, frame.t_s - dt_s, frame.t_s, held_rad, row);
+            let start = view.seen.len();
+            while let Some(sighting) = log.sightings.get(next).filter(|it| it.t_s <= frame.t_s + 1e-9) {
+                let landmark = log.known.landmarks.iter().position(|it| it.id == sighting.landmark);
+                let landmark = landmark.ok_or(CannotSee::UnknownLandmark(sighting.landmark))?;
+                view.seen.push(Seen { landmark, size: sighting.size.value(), bearing_rad: sighting.bearing_rad });
+                held = Some((sighting.t_s, sighting.bearing_rad));
+                next += 1;
+            }
+            view.steps.push(Step {
+                t_s: frame.t_s,
+                dt_s,
+                pan_rad: frame.head_pan_rad,
+                pan_rad_per_s: if dt_s > 0.0 { turned / dt_s } else { 0.0 },
+                attempt,
+                seen: start..view.seen.len(),
+            });
+        }
+        let seen = view.steps.iter().filter(|step| !step.seen.is_empty()).count();
+        if seen < LEAST_SEEN {
+            return Err(CannotSee::TooShort { frames: frames.len(), seen, least: LEAST_SEEN });
+        }
+        Ok(view)
+    }
+
+    /// The row of the motion's columns of a step.
+    #[must_use]
+    pub fn row(&self, step: usize) -> &[f64] {
+        &self.rows[step * self.width..(step + 1) * self.width]
+    }
+}
+
+/// The log's frames; of a log without, one wherever something was seen.
+fn frames(log: &Log) -> Vec<Frame> {
+    if let Some(frames) = &log.frames {
+        return frames.to_vec();
+    }
+    let mut times_s: Vec<f64> = log.sightings.iter().map(|it| it.t_s).collect();
+    times_s.dedup();
+    times_s.into_iter().map(|t_s| Frame { t_s, head_pan_rad: 0.0 }).collect()
+}
