@@ -2,6 +2,7 @@
 //! trials, tables, figures, reports.
 
 pub mod binning;
+pub mod blind;
 pub mod depths;
 pub mod draw;
 pub mod generate;
