@@ -6,8 +6,10 @@
 //! filtered with each hypothesis's response in the place of the nominal one, and its likelihood decides.
 //! Nothing here reads files or clocks, or prints.
 
+pub mod blocks;
 pub mod columns;
 pub mod diagnosis;
+pub mod evidence;
 pub mod filter;
 pub mod fit;
 pub mod judge;

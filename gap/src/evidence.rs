@@ -1,0 +1,177 @@
+//! How much a log speaks for each effect: likelihood times prior, integrated over sizes and kinds.
+//!
+//! The prior of sizes is the law by which cases are planted: log-uniform from the least to the greatest.
+
+use asami_math::elementary::{exp, ln};
+use asami_math::optimise::golden_section;
+
+use crate::judge::Judge;
+use crate::plant::{Planted, Variant};
+
+/// Sizes at which every kind of effect is tried.
+const COARSE: usize = 8;
+/// Kinds this far below the best of their effect need no finer look, in nats.
+const HOPELESS_NATS: f64 = 25.0;
+
+/// One effect, weighed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weighed {
+    /// The effect.
+    pub effect: &'static str,
+    /// Logarithm of its evidence over that of *none*.
+    pub evidence_nats: f64,
+    /// The most likely kind and size.
+    pub best: Planted,
+    /// Logarithm of its likelihood over that of *none* there.
+    pub gain_nats: f64,
+    /// 90 % interval of the size, for the most likely kind.
+    pub interval: [f64; 2],
+}
+
+/// A kind of effect tried at several sizes: pairs of the size's logarithm and the log-likelihood's gain, in
+/// order of size.
+struct Tried {
+    variant: Variant,
+    points: Vec<(f64, f64)>,
+}
+
+impl Tried {
+    fn best(&self) -> (f64, f64) {
+        let best = self.points.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a });
+        best.unwrap_or((0.0, f64::NEG_INFINITY))
+    }
+
+    /// Logarithm of the mean likelihood ratio over the law's sizes; between the points it is taken to be
+    /// exponential in the size's logarithm.
+    fn evidence(&self) -> f64 {
+        let (Some(first), Some(last)) = (self.points.first(), self.points.last()) else { return f64::NEG_INFINITY };
+        let top = self.best().1;
+        let piece = |pair: &[(f64, f64)]| {
+            let (width, a, b) = (pair[1].0 - pair[0].0, pair[0].1 - top, pair[1].1 - top);
+            width * between(a, b)
+        };
+        let sum = self.points.windows(2).map(piece).fold(0.0, |sum, it| sum + it);
+        top + ln((sum / (last.0 - first.0)).max(1e-300))
+    }
+
+    /// Sizes between which the middle 90 % of the posterior lie.
+    fn interval(&self) -> [f64; 2] {
+        let top = self.best().1;
+        let mut so_far = vec![0.0];
+        for pair in self.points.windows(2) {
+            let sum = so_far.last().copied().unwrap_or(0.0);
+            so_far.push(sum + (pair[1].0 - pair[0].0) * between(pair[0].1 - top, pair[1].1 - top));
+        }
+        let all = so_far.last().copied().unwrap_or(0.0);
+        [0.05, 0.95].map(|share| {
+            let wanted = share * all;
+            let i = so_far.partition_point(|it| *it < wanted).clamp(1, so_far.len().max(2) - 1);
+            let within = (wanted - so_far[i - 1]) / (so_far[i] - so_far[i - 1]).max(1e-300);
+            exp(self.points[i - 1].0 + within * (self.points[i].0 - self.points[i - 1].0))
+        })
+    }
+}
+
+/// Mean over the unit interval of what runs exponentially from `exp(a)` to `exp(b)`.
+fn between(a: f64, b: f64) -> f64 {
+    if (a - b).abs() < 1e-9 { exp(a) } else { (exp(a) - exp(b)) / (a - b) }
+}
+
+/// Weighs every effect of which `variants` has kinds, in the order of their first kind. `with` is what else is in
+/// the world.
+#[must_use]
+pub fn weigh(judge: &Judge<'_>, variants: &[Variant], with: &[Planted]) -> Vec<Weighed> {
+    let none = judge.log_likelihood(with);
+    let gain = |variant: &Variant, ln_size: f64| {
+        let planted = Planted { variant: variant.clone(), size: exp(ln_size) };
+        let likely = judge.log_likelihood(&[with, &[planted]].concat()) - none;
+        if likely.is_finite() { likely } else { f64::NEG_INFINITY }
+    };
+    let mut effects: Vec<(&'static str, Vec<Tried>)> = Vec::new();
+    for variant in variants.iter().filter(|variant| judge.library.entry(variant).is_some()) {
+        let (least, greatest) = variant.sizes();
+        let at = |i: usize| ln(least) + ln(greatest / least) * i as f64 / (COARSE - 1) as f64;
+        let points = (0..COARSE).map(|i| (at(i), gain(variant, at(i)))).collect();
+        let tried = Tried { variant: variant.clone(), points };
+        match effects.iter_mut().find(|(name, _)| *name == variant.about.name) {
+            Some((_, kinds)) => kinds.push(tried),
+            None => effects.push((variant.about.name, vec![tried])),
+        }
+    }
+    for (_, kinds) in &mut effects {
+        let top = kinds.iter().map(|kind| kind.best().1).fold(f64::NEG_INFINITY, f64::max);
+        for kind in kinds.iter_mut().filter(|kind| kind.best().1 > top - HOPELESS_NATS) {
+            refine(kind, &gain);
+        }
+    }
+    effects.into_iter().filter_map(|(effect, kinds)| summary(effect, &kinds)).collect()
+}
+
+/// Finds the peak, and its flanks down to where nothing is left to integrate.
+fn refine(kind: &mut Tried, gain: &impl Fn(&Variant, f64) -> f64) {
+    let Some(i) = (0..kind.points.len()).reduce(|a, b| if kind.points[b].1 > kind.points[a].1 { b } else { a }) else {
+        return;
+    };
+    let (least, greatest) = (kind.points[0].0, kind.points[kind.points.len() - 1].0);
+    let low = kind.points[i.saturating_sub(1)].0;
+    let high = kind.points[(i + 1).min(kind.points.len() - 1)].0;
+    let peak = golden_section(|at| -gain(&kind.variant, at), low, high, 1e-3);
+    let mut further = vec![(peak.x, -peak.value)];
+    // The curvature at the peak says how wide it is.
+    let h = 0.02;
+    let beside = [peak.x - h, peak.x + h].map(|at| at.clamp(least, greatest));
+    let drop = beside.map(|at| -peak.value - gain(&kind.variant, at));
+    let curvature = drop.into_iter().fold(0.0, f64::max) * 2.0 / (h * h);
+    let width = 1.0 / curvature.max(1.0).sqrt();
+    for k in [-4.0, -2.5, -1.5, -0.7, 0.7, 1.5, 2.5, 4.0] {
+        let at = peak.x + k * width;
+        if (least..=greatest).contains(&at) {
+            further.push((at, gain(&kind.variant, at)));
+        }
+    }
+    kind.points.extend(further);
+    kind.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    kind.points.dedup_by(|a, b| a.0 - b.0 < 1e-9);
+}
+
+fn summary(effect: &'static str, kinds: &[Tried]) -> Option<Weighed> {
+    let evidences: Vec<f64> = kinds.iter().map(Tried::evidence).collect();
+    let top = evidences.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mean = evidences.iter().map(|it| exp(it - top)).fold(0.0, |sum, it| sum + it) / evidences.len() as f64;
+    let best = kinds.iter().reduce(|a, b| if b.best().1 > a.best().1 { b } else { a })?;
+    let (ln_size, gain_nats) = best.best();
+    Some(Weighed {
+        effect,
+        evidence_nats: top + ln(mean),
+        best: Planted { variant: best.variant.clone(), size: exp(ln_size) },
+        gain_nats,
+        interval: best.interval(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tried(points: Vec<(f64, f64)>) -> Tried {
+        let about = asami_sim::effects::catalogue()[0];
+        Tried { variant: Variant::of(about).remove(0), points }
+    }
+
+    /// A Gaussian peak of standard deviation 0.1 over a prior of width 3.
+    #[test]
+    fn evidence_and_interval_of_a_gaussian_peak_are_its_own() {
+        let peak = |x: f64| 20.0 - 0.5 * ((x - 0.3) / 0.1_f64).powi(2);
+        let kind = tried((0..=600).map(|i| -1.0 + 0.005 * f64::from(i)).map(|x| (x, peak(x))).collect());
+        let expected = 20.0 + (0.1 * std::f64::consts::TAU.sqrt() / 3.0_f64).ln();
+        assert!((kind.evidence() - expected).abs() < 1e-3, "{} {expected}", kind.evidence());
+        let [low, high] = kind.interval().map(f64::ln);
+        assert!((low - (0.3 - 0.16449)).abs() < 2e-3 && (high - (0.3 + 0.16449)).abs() < 2e-3, "{low} {high}");
+    }
+
+    #[test]
+    fn an_effect_that_changes_nothing_has_no_evidence_for_or_against() {
+        let kind = tried(vec![(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]);
+        assert!(kind.evidence().abs() < 1e-12);
+    }
+}
