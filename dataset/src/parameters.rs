@@ -110,3 +110,64 @@ macro_rules! parameters {
         }
     };
 }
+
+/// Declares a struct of tables of parameters, as a robot has in a scenario, and of keys beside them that are no numbers.
+/// A rule that concerns several numbers follows as a function of the same arguments as `check`.
+///
+/// ```
+/// asami_dataset::parameters! {
+///     /// A spring.
+///     pub struct Spring {
+///         /// How stiff it is.
+///         stiffness_n_per_m: f64 = 10.0, "N/m", 0.0..=100.0;
+///     }
+/// }
+/// asami_dataset::tables! {
+///     /// A suspension.
+///     pub struct Suspension {
+///         /// At the front wheels.
+///         front: Spring;
+///         /// At the rear wheels.
+///         rear: Spring;
+///     }
+///     keys {
+///         /// Who made it.
+///         maker: String;
+///     }
+/// }
+/// let mut suspension = Suspension::default();
+/// suspension.rear.stiffness_n_per_m = 200.0;
+/// let mut faults = Vec::new();
+/// suspension.check("car.suspension", &mut faults);
+/// assert_eq!(faults[0].path, "car.suspension.rear.stiffness_n_per_m");
+/// assert_eq!(Suspension::tables().map(|(name, _)| name), ["front", "rear"]);
+/// ```
+#[macro_export]
+macro_rules! tables {
+    (
+        $(#[$meta:meta])* pub struct $T:ident { $($(#[doc = $about:literal])* $name:ident: $table:ident;)* }
+        $(keys { $($(#[doc = $about_key:literal])* $key:ident: $type:ident;)* })?
+        $(rule $rule:ident)?
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(deny_unknown_fields, default)]
+        pub struct $T {
+            $($($(#[doc = $about_key])* pub $key: $type,)*)?
+            $($(#[doc = $about])* pub $name: $table,)*
+        }
+        impl $T {
+            /// The tables' names and parameters, for the catalogue.
+            #[must_use]
+            pub fn tables() -> [(&'static str, &'static [$crate::parameters::Parameter]); [$(stringify!($name)),*].len()] {
+                [$((stringify!($name), <$table as $crate::parameters::Parameters>::table())),*]
+            }
+
+            /// Adds a fault for every value that breaks a rule; `path` is the table's own place in the file.
+            pub fn check(&self, path: &str, faults: &mut Vec<$crate::parameters::Fault>) {
+                $($crate::parameters::Parameters::check(&self.$name, &format!("{path}.{}", stringify!($name)), faults);)*
+                $($rule(self, path, faults);)?
+            }
+        }
+    };
+}

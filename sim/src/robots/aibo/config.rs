@@ -1,6 +1,5 @@
 //! Every number of the robot that a scenario may set.
 
-use asami_dataset::parameters::{Fault, Parameter, Parameters};
 use serde::{Deserialize, Serialize};
 
 asami_dataset::parameters! {
@@ -122,53 +121,25 @@ asami_dataset::parameters! {
     }
 }
 
-/// The robot's tables in a scenario.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct AiboConfig {
-    /// Kind of joints.
-    pub joints: Joints,
-    /// `[aibo.physics]`
-    pub physics: Physics,
-    /// `[aibo.gait]`
-    pub gait: Gait,
-    /// `[aibo.servo]`
-    pub servo: Servo,
-    /// `[aibo.head]`
-    pub head: Head,
-    /// `[aibo.disturbance]`
-    pub disturbance: Disturbance,
-    /// `[aibo.heading_hold]`
-    pub heading_hold: HeadingHold,
-}
-
-impl AiboConfig {
-    /// The tables' parameters, for the catalogue.
-    #[must_use]
-    pub fn tables() -> [(&'static str, &'static [Parameter]); 6] {
-        [
-            ("physics", Physics::table()),
-            ("gait", Gait::table()),
-            ("servo", Servo::table()),
-            ("head", Head::table()),
-            ("disturbance", Disturbance::table()),
-            ("heading_hold", HeadingHold::table()),
-        ]
+asami_dataset::tables! {
+    /// The robot's tables in a scenario.
+    pub struct AiboConfig {
+        /// `[aibo.physics]`
+        physics: Physics;
+        /// `[aibo.gait]`
+        gait: Gait;
+        /// `[aibo.servo]`
+        servo: Servo;
+        /// `[aibo.head]`
+        head: Head;
+        /// `[aibo.disturbance]`
+        disturbance: Disturbance;
+        /// `[aibo.heading_hold]`
+        heading_hold: HeadingHold;
     }
-
-    /// Adds a fault for every value out of range; `path` is the table's own place in the file.
-    pub fn check(&self, path: &str, faults: &mut Vec<Fault>) {
-        let tables: [(&str, &dyn Parameters); 6] = [
-            ("physics", &self.physics),
-            ("gait", &self.gait),
-            ("servo", &self.servo),
-            ("head", &self.head),
-            ("disturbance", &self.disturbance),
-            ("heading_hold", &self.heading_hold),
-        ];
-        for (name, table) in tables {
-            table.check(&format!("{path}.{name}"), faults);
-        }
+    keys {
+        /// Kind of joints.
+        joints: Joints;
     }
 }
 

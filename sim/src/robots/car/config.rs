@@ -1,8 +1,5 @@
 //! Every number of the car that a scenario may set and that its URDF does not hold.
 
-use asami_dataset::parameters::{Fault, Parameter, Parameters};
-use serde::{Deserialize, Serialize};
-
 asami_dataset::parameters! {
     /// How the engine steps.
     pub struct Physics {
@@ -129,58 +126,20 @@ asami_dataset::parameters! {
     }
 }
 
-/// The car's tables in a scenario.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct CarConfig {
-    /// `[car.physics]`
-    pub physics: Physics,
-    /// `[car.suspension]`
-    pub suspension: Suspension,
-    /// `[car.tyre]`
-    pub tyre: Tyre,
-    /// `[car.engine]`
-    pub engine: Engine,
-    /// `[car.brake]`
-    pub brake: Brake,
-    /// `[car.steering]`
-    pub steering: Steering,
-}
-
-impl CarConfig {
-    /// The tables' parameters, for the catalogue.
-    #[must_use]
-    pub fn tables() -> [(&'static str, &'static [Parameter]); 6] {
-        [
-            ("physics", Physics::table()),
-            ("suspension", Suspension::table()),
-            ("tyre", Tyre::table()),
-            ("engine", Engine::table()),
-            ("brake", Brake::table()),
-            ("steering", Steering::table()),
-        ]
-    }
-
-    /// Adds a fault for every value out of range; `path` is the table's own place in the file.
-    pub fn check(&self, path: &str, faults: &mut Vec<Fault>) {
-        let tables: [(&str, &dyn Parameters); 6] = [
-            ("physics", &self.physics),
-            ("suspension", &self.suspension),
-            ("tyre", &self.tyre),
-            ("engine", &self.engine),
-            ("brake", &self.brake),
-            ("steering", &self.steering),
-        ];
-        for (name, table) in tables {
-            table.check(&format!("{path}.{name}"), faults);
-        }
-    }
-}
-
-impl Physics {
-    /// One control period.
-    #[must_use]
-    pub fn tick_s(&self) -> f64 {
-        self.time_step_s * f64::from(self.steps_per_tick)
+asami_dataset::tables! {
+    /// The car's tables in a scenario.
+    pub struct CarConfig {
+        /// `[car.physics]`
+        physics: Physics;
+        /// `[car.suspension]`
+        suspension: Suspension;
+        /// `[car.tyre]`
+        tyre: Tyre;
+        /// `[car.engine]`
+        engine: Engine;
+        /// `[car.brake]`
+        brake: Brake;
+        /// `[car.steering]`
+        steering: Steering;
     }
 }

@@ -176,9 +176,10 @@ impl CarWorld {
 
 impl World for CarWorld {
     fn known(&self) -> Known {
+        let physics = &self.config.physics;
         Known {
             robot: "car".to_owned(),
-            command_rate_hz: Some(1.0 / self.config.physics.tick_s()),
+            command_rate_hz: Some(1.0 / (physics.time_step_s * f64::from(physics.steps_per_tick))),
             velodyne: self.velodyne.clone(),
             ..Known::default()
         }

@@ -3,8 +3,7 @@
 // Defaults are literals, pi among them, to its last digit.
 #![allow(clippy::approx_constant)]
 
-use asami_dataset::parameters::{Fault, Parameter, Parameters};
-use serde::{Deserialize, Serialize};
+use asami_dataset::parameters::Fault;
 
 asami_dataset::parameters! {
     /// Gaussian noise on the motion, new each step, in the robot's frame (section 4.4.2 leaves its size open).
@@ -71,41 +70,31 @@ asami_dataset::parameters! {
     }
 }
 
-/// The robot's tables in a scenario.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct PlainConfig {
-    /// `[plain.motion]`
-    pub motion: Motion,
-    /// `[plain.distortion]`
-    pub distortion: Distortion,
-    /// `[plain.sight]`
-    pub sight: Sight,
+asami_dataset::tables! {
+    /// The robot's tables in a scenario.
+    pub struct PlainConfig {
+        /// `[plain.motion]`
+        motion: Motion;
+        /// `[plain.distortion]`
+        distortion: Distortion;
+        /// `[plain.sight]`
+        sight: Sight;
+    }
+    rule near_before_far
 }
 
-impl PlainConfig {
-    /// The tables' parameters, for the catalogue.
-    #[must_use]
-    pub fn tables() -> [(&'static str, &'static [Parameter]); 3] {
-        [("motion", Motion::table()), ("distortion", Distortion::table()), ("sight", Sight::table())]
-    }
-
-    /// Adds a fault for every value out of range; `path` is the table's own place in the file.
-    pub fn check(&self, path: &str, faults: &mut Vec<Fault>) {
-        let tables: [(&str, &dyn Parameters); 3] =
-            [("motion", &self.motion), ("distortion", &self.distortion), ("sight", &self.sight)];
-        for (name, table) in tables {
-            table.check(&format!("{path}.{name}"), faults);
-        }
-        if self.sight.near_m >= self.sight.far_m {
-            let message = format!("near_m must be less than far_m ({}), not {}", self.sight.far_m, self.sight.near_m);
-            faults.push(Fault { path: format!("{path}.sight.near_m"), message });
-        }
+fn near_before_far(config: &PlainConfig, path: &str, faults: &mut Vec<Fault>) {
+    let (near_m, far_m) = (config.sight.near_m, config.sight.far_m);
+    if near_m >= far_m {
+        let message = format!("near_m must be less than far_m ({far_m}), not {near_m}");
+        faults.push(Fault { path: format!("{path}.sight.near_m"), message });
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use asami_dataset::parameters::Parameters;
+
     use super::*;
 
     fn faults(text: &str) -> Vec<String> {
