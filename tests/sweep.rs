@@ -13,7 +13,8 @@ use asami::sweep::{Options, Plan, Silent, Timing, Watcher};
 use asami::trial::{Case, Ending};
 use asami_dataset::survey::{Height, Speed};
 use asami_dataset::{Action, Command, Dataset, Known, Log, Rng, Seed, Sighting, Size, Survey, Truth};
-use asami_learners::{CannotLearn, Learned, Learner};
+use asami_learners::canonical::Canonical;
+use asami_learners::{About, CannotLearn, Declared, Learned, Learner};
 use rand::RngExt;
 
 const SCENARIO: &str = r#"
@@ -220,10 +221,13 @@ fn more_seeds_go_on_with_the_fewer() {
 /// A learner with a mistake in it.
 struct Broken;
 
-impl Learner for Broken {
-    fn about(&self) -> &'static asami_learners::About {
-        asami_learners::canonical::Canonical::about()
+impl Declared for Broken {
+    fn about(&self) -> &'static About {
+        Canonical::about()
     }
+}
+
+impl Learner for Broken {
     fn learn(&self, log: &Log, _: &asami_dataset::Models, _: &mut Rng) -> Result<Learned, CannotLearn> {
         panic!("index {} out of range", log.commands.len())
     }
@@ -232,10 +236,13 @@ impl Learner for Broken {
 /// A learner that says what it lacks.
 struct Lacking;
 
-impl Learner for Lacking {
-    fn about(&self) -> &'static asami_learners::About {
-        asami_learners::canonical::Canonical::about()
+impl Declared for Lacking {
+    fn about(&self) -> &'static About {
+        Canonical::about()
     }
+}
+
+impl Learner for Lacking {
     fn learn(&self, _: &Log, _: &asami_dataset::Models, _: &mut Rng) -> Result<Learned, CannotLearn> {
         Err(CannotLearn::NotGiven("an action model, and a comma"))
     }

@@ -25,10 +25,6 @@ learner! {
 }
 
 impl Learner for ActionFromSensor {
-    fn about(&self) -> &'static crate::learner::About {
-        Self::about()
-    }
-
     fn learn(&self, log: &Log, given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
         let line = Line::try_from(log)?;
         let Some(SensorModel::DistanceOfHeight(sensor)) = &given.sensor else {

@@ -32,10 +32,6 @@ learner! {
 }
 
 impl Learner for Algorithm1 {
-    fn about(&self) -> &'static crate::learner::About {
-        Self::about()
-    }
-
     fn learn(&self, log: &Log, given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
         let line = Line::try_from(log)?;
         let start = given_action(given)?;

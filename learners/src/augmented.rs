@@ -34,10 +34,6 @@ macro_rules! augmented {
         }
 
         impl $crate::learner::Learner for $T {
-            fn about(&self) -> &'static $crate::learner::About {
-                Self::about()
-            }
-
             fn learn(
                 &self,
                 log: &asami_dataset::Log,

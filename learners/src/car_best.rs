@@ -36,10 +36,6 @@ impl CarBest {
 }
 
 impl Learner for CarBest {
-    fn about(&self) -> &'static crate::learner::About {
-        Self::about()
-    }
-
     fn learn(&self, log: &Log, _given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
         self.car().learn(log)
     }

@@ -44,10 +44,6 @@ impl CarGraph {
 }
 
 impl Learner for CarGraph {
-    fn about(&self) -> &'static crate::learner::About {
-        Self::about()
-    }
-
     fn learn(&self, log: &Log, _given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
         self.car().learn(log)
     }

@@ -41,10 +41,6 @@ impl CarLines {
 }
 
 impl Learner for CarLines {
-    fn about(&self) -> &'static crate::learner::About {
-        Self::about()
-    }
-
     fn learn(&self, log: &Log, _given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
         self.car().learn(log)
     }

@@ -50,10 +50,6 @@ impl CarPublished {
 }
 
 impl Learner for CarPublished {
-    fn about(&self) -> &'static crate::learner::About {
-        Self::about()
-    }
-
     fn learn(&self, log: &Log, _given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
         self.car().learn(log)
     }

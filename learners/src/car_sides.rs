@@ -31,10 +31,6 @@ impl CarSides {
 }
 
 impl Learner for CarSides {
-    fn about(&self) -> &'static crate::learner::About {
-        Self::about()
-    }
-
     fn learn(&self, log: &Log, _given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
         self.car().learn(log)
     }

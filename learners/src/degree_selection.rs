@@ -43,10 +43,6 @@ learner! {
 }
 
 impl Learner for DegreeSelection {
-    fn about(&self) -> &'static crate::learner::About {
-        Self::about()
-    }
-
     fn learn(&self, log: &Log, given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
         let line = Line::try_from(log)?;
         let action = given_action(given)?;

@@ -3,13 +3,16 @@
 use asami_dataset::parameters::Parameter;
 use asami_dataset::{Log, Models, Rng};
 
+/// What the declaration of a learner says of it; written by the `learner!` macro.
+pub trait Declared: Send + Sync {
+    /// What it is, and whose.
+    fn about(&self) -> &'static About;
+}
+
 /// Learns models from a log.
 ///
 /// A learner is given what the robot knows and nothing else; randomness is an argument.
-pub trait Learner: Send + Sync {
-    /// What it is, and whose.
-    fn about(&self) -> &'static About;
-
+pub trait Learner: Declared {
     /// Learns from `log`, starting at `given` (a starting action model, or a model that the method
     /// takes as known; [`About::needs`] says which).
     ///
@@ -248,6 +251,11 @@ macro_rules! learner {
                         parameters: $T::table(),
                     });
                 &ABOUT
+            }
+        }
+        impl $crate::learner::Declared for $T {
+            fn about(&self) -> &'static $crate::learner::About {
+                Self::about()
             }
         }
     };

@@ -42,7 +42,7 @@ use std::collections::BTreeMap;
 
 use asami_dataset::parameters::{Fault, Parameters, out_of_range};
 
-pub use learner::{About, CannotLearn, Lack, Learned, Learner, Needs, Step, Trace, Verdict};
+pub use learner::{About, CannotLearn, Declared, Lack, Learned, Learner, Needs, Step, Trace, Verdict};
 
 /// Makes the `[learners]` table and everything that walks it out of one list.
 macro_rules! learners {

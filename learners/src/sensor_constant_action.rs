@@ -24,10 +24,6 @@ learner! {
 }
 
 impl Learner for SensorConstantAction {
-    fn about(&self) -> &'static crate::learner::About {
-        Self::about()
-    }
-
     fn learn(&self, log: &Log, _given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
         let line = Line::try_from(log)?;
         let degree = self.sensor_degree as usize;

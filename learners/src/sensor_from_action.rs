@@ -23,10 +23,6 @@ learner! {
 }
 
 impl Learner for SensorFromAction {
-    fn about(&self) -> &'static crate::learner::About {
-        Self::about()
-    }
-
     fn learn(&self, log: &Log, given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
         let line = Line::try_from(log)?;
         let action = given_action(given)?;

@@ -46,10 +46,6 @@ learner! {
 }
 
 impl Learner for Batch {
-    fn about(&self) -> &'static crate::learner::About {
-        Self::about()
-    }
-
     fn learn(&self, log: &Log, given: &Models, rng: &mut Rng) -> Result<Learned, CannotLearn> {
         let plane = Plane::try_from(log)?;
         let lambda = start::in_plane(&plane, given, self.degree as usize + 1)?;

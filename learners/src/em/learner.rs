@@ -40,10 +40,6 @@ macro_rules! em_learner {
         }
 
         impl $crate::learner::Learner for $T {
-            fn about(&self) -> &'static $crate::learner::About {
-                Self::about()
-            }
-
             fn learn(
                 &self,
                 log: &asami_dataset::Log,

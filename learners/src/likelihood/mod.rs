@@ -52,10 +52,6 @@ learner! {
 }
 
 impl Learner for Likelihood {
-    fn about(&self) -> &'static crate::learner::About {
-        Self::about()
-    }
-
     fn learn(&self, log: &Log, _given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
         let line = Line::try_from(log)?;
         line.require(30)?;
