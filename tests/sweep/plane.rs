@@ -1,12 +1,10 @@
 //! Chapter 4's sweep in the plane: columns that are agreed, tables that say what the rows say, the same bytes on
 //! any number of threads.
 
-use std::collections::BTreeMap;
-use std::path::Path;
-
 use asami::scenario;
-use asami::sweep::verb::{Asked, carry_out, plan};
-use asami::sweep::{Finished, Options, Silent};
+use asami::sweep::verb::{Asked, plan};
+
+use crate::{number, rows, sweep};
 
 /// The dissertation's own simulator with little noise, for some minutes.
 const SCENARIO: &str = r#"
@@ -50,26 +48,10 @@ median_max = { vtheta_rmse_rad_per_s = 0.2, sigma1_off_percent = 0.0 }
 median_min = { observations = 300 }
 "#;
 
-fn sweep(out: &Path, jobs: usize) -> Finished {
-    let scenario = scenario::parse("plane", "plane.toml", SCENARIO).expect("sound");
-    let asked = Asked { out: out.to_owned(), ..Asked::default() };
-    let plan = plan(scenario, &asked).expect("no data are needed");
-    let options = Options { out: out.to_owned(), jobs: Some(jobs), program: "test".into() };
-    carry_out(&plan, &options, &Silent).expect("files can be written")
-}
-
-fn rows(path: &Path) -> Vec<BTreeMap<String, String>> {
-    csv::Reader::from_path(path).expect("there").deserialize().collect::<Result<_, _>>().expect("a table")
-}
-
-fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
-    row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
-}
-
 #[test]
 fn columns_are_those_agreed_and_tables_say_what_rows_say() {
     let folder = tempfile::tempdir().expect("made");
-    let finished = sweep(folder.path(), 2);
+    let finished = sweep(SCENARIO, folder.path(), 2);
     assert!(!finished.has_errors, "{}", finished.text);
 
     let text = std::fs::read_to_string(folder.path().join("trials.csv")).expect("there");
@@ -126,7 +108,7 @@ fn columns_are_those_agreed_and_tables_say_what_rows_say() {
 #[test]
 fn one_thread_and_two_give_the_same_bytes() {
     let folders = [tempfile::tempdir().expect("made"), tempfile::tempdir().expect("made")];
-    let said = [1, 2].map(|jobs| sweep(folders[jobs - 1].path(), jobs));
+    let said = [1, 2].map(|jobs| sweep(SCENARIO, folders[jobs - 1].path(), jobs));
     assert_eq!(said[0], said[1]);
     for name in ["trials.csv", "statistics.csv", "comparisons.csv", "table_4_velocities.md", "table_4_noise.tex"] {
         let [a, b] = [0, 1].map(|i| std::fs::read(folders[i].path().join(name)).expect(name));

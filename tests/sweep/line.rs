@@ -17,6 +17,8 @@ use asami_learners::canonical::Canonical;
 use asami_learners::{About, CannotLearn, Declared, Learned, Learner};
 use rand::RngExt;
 
+use crate::{options, rows};
+
 const SCENARIO: &str = r#"
 schema = 1
 about = "Does the machinery work?"
@@ -115,10 +117,6 @@ fn plan(seeds: u64) -> Plan {
     let learners = scenario.rows.iter().map(|row| scenario.learners.configured(&row.learner, &row.with));
     let learners = learners.collect::<Result<Vec<_>, _>>().expect("checked");
     Plan { scenario, source: Box::new(Line { seeds, made: AtomicUsize::new(0) }), learners }
-}
-
-fn options(out: &Path, jobs: usize) -> Options {
-    Options { out: out.to_owned(), jobs: Some(jobs), program: "test".into() }
 }
 
 fn run(plan: &Plan, out: &Path, jobs: usize) -> Outcome {
@@ -258,8 +256,7 @@ fn a_panic_in_a_trial_is_a_row_and_so_is_what_a_learner_lacks() {
     assert!(outcome.results.has_errors());
     let endings: Vec<Ending> = outcome.results.trials().map(|(_, trial)| trial.ending).collect();
     assert_eq!(&endings[4..], [Ending::Error, Ending::Error, Ending::CannotLearn, Ending::CannotLearn]);
-    let mut reader = csv::Reader::from_path(folder.path().join("trials.csv")).expect("there");
-    let rows: Vec<BTreeMap<String, String>> = reader.deserialize().collect::<Result<_, _>>().expect("a table");
+    let rows = rows(&folder.path().join("trials.csv"));
     assert_eq!(rows.len(), 8);
     assert_eq!((&*rows[4]["verdict"], &*rows[4]["converged"], &*rows[4]["sensor_rmse_mm"]), ("error", "false", ""));
     assert!(rows[4]["reason"].contains("panicked: index"), "{}", rows[4]["reason"]);

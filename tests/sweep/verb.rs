@@ -6,9 +6,11 @@ use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use asami::scenario;
+use asami::sweep::Silent;
 use asami::sweep::line::carry_out;
 use asami::sweep::verb::{self, Asked, plan};
-use asami::sweep::{Options, Silent};
+
+use crate::{options, rows};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -116,10 +118,9 @@ fn real_robots_in_the_plane_are_learned() {
         scenario.expect.clear();
         let plan = plan(scenario, &Asked::default()).expect("the data are sound");
         let folder = tempfile::tempdir().expect("made");
-        let options = Options { out: folder.path().to_owned(), jobs: None, program: "test".into() };
-        assert!(!verb::carry_out(&plan, &options, &Silent).expect("files can be written").has_errors);
-        let mut reader = csv::Reader::from_path(folder.path().join("trials.csv")).expect("there");
-        let rows: Vec<BTreeMap<String, String>> = reader.deserialize().collect::<Result<_, _>>().expect("a table");
+        let finished = verb::carry_out(&plan, &options(folder.path(), 2), &Silent).expect("files can be written");
+        assert!(!finished.has_errors, "{}", finished.text);
+        let rows = rows(&folder.path().join("trials.csv"));
         assert_eq!(rows.len(), trials);
         for row in rows {
             assert_eq!(row["converged"], "true", "{row:?}");
@@ -148,8 +149,7 @@ fn a_real_robot_gives_the_expected_answers() {
     }
     let plan = plan(scenario, &Asked::default()).expect("the data are sound");
     let folder = tempfile::tempdir().expect("made");
-    let options = Options { out: folder.path().to_owned(), jobs: None, program: "test".into() };
-    let outcome = carry_out(&plan, &options, &Silent).expect("files can be written");
+    let outcome = carry_out(&plan, &options(folder.path(), 2), &Silent).expect("files can be written");
     assert!(!outcome.results.has_errors());
     assert!(!outcome.verdicts.is_empty());
     for verdict in &outcome.verdicts {

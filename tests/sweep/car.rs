@@ -1,11 +1,6 @@
 //! Chapter 5's sweep: columns that are agreed, tables with the dissertation's numbers, angles that are learned.
 
-use std::collections::BTreeMap;
-use std::path::Path;
-
-use asami::scenario;
-use asami::sweep::verb::{Asked, carry_out, plan};
-use asami::sweep::{Finished, Options, Silent};
+use crate::{number, rows, sweep};
 
 /// Two short drives: angles are learned from a few turns; of acceleration, speed and yaw rate nothing is asked.
 const SCENARIO: &str = r#"
@@ -31,25 +26,10 @@ learner = "car_graph"
 median_max = { angle_rms_common_removed_deg = 1.0 }
 "#;
 
-fn sweep(out: &Path) -> Finished {
-    let scenario = scenario::parse("traffic", "traffic.toml", SCENARIO).expect("sound");
-    let plan = plan(scenario, &Asked { out: out.to_owned(), ..Asked::default() }).expect("no data are needed");
-    let options = Options { out: out.to_owned(), jobs: Some(2), program: "test".into() };
-    carry_out(&plan, &options, &Silent).expect("files can be written")
-}
-
-fn rows(path: &Path) -> Vec<BTreeMap<String, String>> {
-    csv::Reader::from_path(path).expect("there").deserialize().collect::<Result<_, _>>().expect("a table")
-}
-
-fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
-    row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
-}
-
 #[test]
 fn columns_are_those_agreed_and_angles_are_learned() {
     let folder = tempfile::tempdir().expect("made");
-    let finished = sweep(folder.path());
+    let finished = sweep(SCENARIO, folder.path(), 2);
     assert!(!finished.has_errors, "{}", finished.text);
     let text = std::fs::read_to_string(folder.path().join("trials.csv")).expect("there");
     let agreed = "scenario,learner,starting_model,seed,angle_rms_deg,angle_rms_common_removed_deg,worst_pair_deg,\
