@@ -18,6 +18,32 @@ const WINDOW_LENGTH: Parameter = number("length_s", "s", (1.0, 36_000.0));
 const WINDOW_START: Parameter = number("disjoint_starts_s", "s", (0.0, 360_000.0));
 const WINDOW_EVERY: Parameter = number("overlapping_every_s", "s", (0.1, 36_000.0));
 
+/// Which scenarios a key is for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Of {
+    Recordings,
+    /// Of any robot.
+    Simulations,
+    /// Simulations of a car.
+    Car,
+    /// Simulations of robots that see landmarks.
+    Landmarks,
+}
+
+/// The keys of `wire` that are for some scenarios and not for others.
+fn keys(wire: &Wire) -> Vec<(&'static str, Of)> {
+    macro_rules! those_there {
+        ($($of:ident { $($key:ident),* })*) => { [$($((stringify!($key), Of::$of, wire.$key.is_some())),*),*] };
+    }
+    let all = those_there! {
+        Recordings { windows, format, binning, depths, robots, landmarks }
+        Simulations { duration_s, seeds, first_seed, effects }
+        Car { town, car, driving, velodyne, unit, applanix }
+        Landmarks { aibo, plain, suite, camera, field, start, drive, explore, survey }
+    };
+    all.into_iter().filter(|(_, _, is_there)| *is_there).map(|(key, of, _)| (key, of)).collect()
+}
+
 /// Either a simulation or a recording: the keys of one are faults in the other.
 pub(super) fn origin(wire: &Wire, faults: &mut Vec<Fault>) -> Option<Origin> {
     match (&wire.source, wire.robot) {
@@ -35,28 +61,7 @@ pub(super) fn origin(wire: &Wire, faults: &mut Vec<Fault>) -> Option<Origin> {
 }
 
 fn recording(wire: &Wire, source: &str, faults: &mut Vec<Fault>) -> Option<Recording> {
-    let simulated = [
-        ("duration_s", wire.duration_s.is_some()),
-        ("seeds", wire.seeds.is_some()),
-        ("first_seed", wire.first_seed.is_some()),
-        ("aibo", wire.aibo.is_some()),
-        ("plain", wire.plain.is_some()),
-        ("suite", wire.suite.is_some()),
-        ("camera", wire.camera.is_some()),
-        ("field", wire.field.is_some()),
-        ("start", wire.start.is_some()),
-        ("drive", wire.drive.is_some()),
-        ("explore", wire.explore.is_some()),
-        ("effects", wire.effects.is_some()),
-        ("survey", wire.survey.is_some()),
-        ("town", wire.town.is_some()),
-        ("car", wire.car.is_some()),
-        ("driving", wire.driving.is_some()),
-        ("velodyne", wire.velodyne.is_some()),
-        ("unit", wire.unit.is_some()),
-        ("applanix", wire.applanix.is_some()),
-    ];
-    for (key, _) in simulated.into_iter().filter(|(_, is_there)| *is_there) {
+    for (key, _) in keys(wire).into_iter().filter(|(_, of)| *of != Of::Recordings) {
         fault(faults, key, format!("{key} belongs to simulated scenarios; this one has source = \"{source}\""));
     }
     if source.trim().is_empty() {
@@ -158,18 +163,8 @@ fn cut(windows: &wire::Windows) -> Vec<Window> {
 }
 
 fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simulation> {
-    let recorded = [
-        ("windows", wire.windows.is_some()),
-        ("format", wire.format.is_some()),
-        ("binning", wire.binning.is_some()),
-        ("depths", wire.depths.is_some()),
-        ("robots", wire.robots.is_some()),
-        ("landmarks", wire.landmarks.is_some()),
-    ];
-    for (key, is_there) in recorded {
-        if is_there {
-            fault(faults, key, format!("{key} belongs to recorded scenarios; this one has a robot"));
-        }
+    for (key, _) in keys(wire).into_iter().filter(|(_, of)| *of == Of::Recordings) {
+        fault(faults, key, format!("{key} belongs to recorded scenarios; this one has a robot"));
     }
     let mut required = |key: &Parameter, value: Option<f64>| {
         match value {
@@ -235,27 +230,8 @@ fn of_the_robot(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) {
         );
         return;
     }
-    let of_a_car = [
-        ("town", wire.town.is_some()),
-        ("car", wire.car.is_some()),
-        ("driving", wire.driving.is_some()),
-        ("velodyne", wire.velodyne.is_some()),
-        ("unit", wire.unit.is_some()),
-        ("applanix", wire.applanix.is_some()),
-    ];
-    let of_others = [
-        ("aibo", wire.aibo.is_some()),
-        ("plain", wire.plain.is_some()),
-        ("suite", wire.suite.is_some()),
-        ("camera", wire.camera.is_some()),
-        ("field", wire.field.is_some()),
-        ("start", wire.start.is_some()),
-        ("drive", wire.drive.is_some()),
-        ("explore", wire.explore.is_some()),
-        ("survey", wire.survey.is_some()),
-    ];
-    let foreign: &[(&str, bool)] = if robot == Robot::Car { &of_others } else { &of_a_car };
-    for (key, _) in foreign.iter().filter(|(_, is_there)| *is_there) {
+    let foreign = if robot == Robot::Car { Of::Landmarks } else { Of::Car };
+    for (key, _) in keys(wire).into_iter().filter(|(_, of)| *of == foreign) {
         fault(faults, key, format!("{key} is not for robot \"{name}\""));
     }
 }
