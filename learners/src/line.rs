@@ -32,6 +32,17 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// That of all of a log's sightings.
+    pub(crate) fn of(log: &Log) -> Result<Self, CannotLearn> {
+        let of = |size: Size| match size {
+            Size::HeightPx(_) => Unit::HeightPx,
+            Size::RangeM(_) => Unit::RangeM,
+        };
+        let unit = log.sightings.first().map(|sighting| of(sighting.size)).ok_or(CannotLearn::NoSightings)?;
+        let is_other = log.sightings.iter().any(|sighting| of(sighting.size) != unit);
+        if is_other { Err(CannotLearn::MixedSightings) } else { Ok(unit) }
+    }
+
     /// Its symbol.
     #[must_use]
     pub fn symbol(self) -> &'static str {
@@ -114,14 +125,7 @@ fn sightings(log: &Log) -> Result<(Unit, Vec<(f64, f64)>), CannotLearn> {
     if ids.len() > 1 {
         return Err(CannotLearn::SeveralLandmarks { found: ids.len() });
     }
-    let unit_of = |size: Size| match size {
-        Size::HeightPx(_) => Unit::HeightPx,
-        Size::RangeM(_) => Unit::RangeM,
-    };
-    let unit = log.sightings.first().map(|sighting| unit_of(sighting.size)).ok_or(CannotLearn::NoSightings)?;
-    if log.sightings.iter().any(|sighting| unit_of(sighting.size) != unit) {
-        return Err(CannotLearn::MixedSightings);
-    }
+    let unit = Unit::of(log)?;
     let rows = log.sightings.iter().map(|sighting| (sighting.t_s, sighting.size.value()));
     Ok((unit, rows.filter(|(t_s, o)| t_s.is_finite() && o.is_finite()).collect()))
 }

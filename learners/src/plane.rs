@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use asami_dataset::{Action, Log, Size};
+use asami_dataset::{Action, Log};
 
 use crate::learner::{CannotLearn, Lack};
 use crate::line::Unit;
@@ -229,14 +229,7 @@ fn commands(log: &Log) -> Result<Vec<Commanded>, CannotLearn> {
 
 /// Unit of the sightings, and times and values of those that are numbers.
 fn sightings(log: &Log, places_needed: bool) -> Result<(Unit, Vec<(f64, Seen)>), CannotLearn> {
-    let unit_of = |size: Size| match size {
-        Size::HeightPx(_) => Unit::HeightPx,
-        Size::RangeM(_) => Unit::RangeM,
-    };
-    let unit = log.sightings.first().map(|sighting| unit_of(sighting.size)).ok_or(CannotLearn::NoSightings)?;
-    if log.sightings.iter().any(|sighting| unit_of(sighting.size) != unit) {
-        return Err(CannotLearn::MixedSightings);
-    }
+    let unit = Unit::of(log)?;
     let places: BTreeMap<u16, [f64; 2]> =
         log.known.landmarks.iter().map(|landmark| (landmark.id, [landmark.x_m, landmark.y_m])).collect();
     let (mut rows, mut last_s) = (Vec::with_capacity(log.sightings.len()), f64::NEG_INFINITY);
