@@ -2,10 +2,12 @@
 
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::process::ExitCode;
 
-use asami_dataset::Log;
-use asami_dataset::store::{Place, ReadError};
+use asami_dataset::packets::Tally;
+use asami_dataset::store::{self, Place, ReadError};
+use asami_dataset::{Dataset, Log};
 use miette::{LabeledSpan, NamedSource, Report};
 
 /// How a verb ended without an error of its own.
@@ -77,6 +79,31 @@ impl Window {
     }
 }
 
+/// Reads a data set; what its capture lacks goes to stderr.
+///
+/// # Errors
+/// A report that shows what is wrong with which file.
+pub fn dataset(dir: &Path) -> Result<Dataset, Report> {
+    let (dataset, tally) = store::read_and_count(dir).map_err(shown)?;
+    if let Some(note) = tally.as_ref().and_then(note) {
+        eprintln!("{}: {note}", dir.join("lidar.pcap").display());
+    }
+    Ok(dataset)
+}
+
+/// What a capture has besides sound packets without a gap.
+fn note(tally: &Tally) -> Option<String> {
+    let counts = [(tally.lost_packets, "lost"), (tally.skipped, "of other kinds passed over")];
+    let mut said: Vec<String> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+    if tally.gaps > 0 {
+        said.push(format!("{} gaps", tally.gaps));
+    }
+    if tally.jumps > 0 {
+        said.push(format!("the encoder jumps {} times", tally.jumps));
+    }
+    (!said.is_empty()).then(|| format!("{} packets read; {}", tally.packets, said.join(", ")))
+}
+
 /// Files longer than this are named, not shown.
 const LONGEST_SHOWN_BYTES: u64 = 4 << 20;
 
@@ -99,4 +126,17 @@ fn offset(text: &str, place: Place) -> usize {
     let line = text.split_inclusive('\n').take(place.line.saturating_sub(1) as usize).map(str::len).sum::<usize>();
     let within = text.get(line..).unwrap_or_default().chars().take(place.column.saturating_sub(1) as usize);
     (line + within.map(char::len_utf8).sum::<usize>()).min(text.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_capture_that_lacks_something_is_spoken_of() {
+        let sound = Tally { packets: 900, ..Tally::default() };
+        assert_eq!(note(&sound), None);
+        let torn = Tally { lost_packets: 3, gaps: 1, ..sound };
+        assert_eq!(note(&torn).unwrap(), "900 packets read; 3 lost, 1 gaps");
+    }
 }

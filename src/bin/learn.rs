@@ -56,7 +56,7 @@ fn start(text: &str) -> Result<Start, String> {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     verb::main(|| {
-        let log = arguments.window.of(&store::read(&arguments.dataset).map_err(verb::shown)?.log);
+        let log = arguments.window.of(&verb::dataset(&arguments.dataset)?.log);
         let given = match &arguments.given {
             Some(path) => store::read_models(path).map_err(verb::shown)?.1,
             None => Models::default(),

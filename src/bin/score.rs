@@ -29,7 +29,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     verb::main(|| {
         let (learner, models) = store::read_models(&arguments.models).map_err(verb::shown)?;
-        let dataset = store::read(&arguments.dataset).map_err(verb::shown)?;
+        let dataset = verb::dataset(&arguments.dataset)?;
         let log = arguments.window.of(&dataset.log);
         verb::print(&score::table(&learner, &models, &log, &dataset).map_err(verb::plain)?);
         Ok(verb::Ending::Done)

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asami_dataset::{Dataset, Log, Seed, Survey, Truth, store};
+use asami_dataset::{Dataset, Log, Seed, Survey, Truth};
 use asami_sim::robots::aibo::blueprint::URDF;
 
 use crate::binning;
@@ -137,7 +137,7 @@ fn read(recording: &Recording, robot: Option<u16>, path: &Path) -> Result<Datase
     let importer = recording.format.as_deref().and_then(|name| formats.iter().find(|it| it.name == name));
     let mut whole = match importer {
         Some(importer) => importer.import(path, robot).map_err(|error| miette::miette!("{error}"))?.dataset,
-        None => store::read(path).map_err(crate::verb::shown)?,
+        None => crate::verb::dataset(path)?,
     };
     if let Some(depths) = &recording.depths {
         let mut robots: Vec<Option<u16>> = recording.parts.iter().map(|part| part.robot).collect();

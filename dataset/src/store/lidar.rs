@@ -19,7 +19,7 @@ fn path(dir: &Path) -> PathBuf {
 ///
 /// # Errors
 /// [`ReadError`] for the first packet that is not sound.
-pub fn read_lidar(dir: &Path) -> Result<Option<(Firings, Tally)>, ReadError> {
+pub(super) fn read(dir: &Path) -> Result<Option<(Firings, Tally)>, ReadError> {
     let path = path(dir);
     let Some(file) = open(&path)? else { return Ok(None) };
     let from = BufReader::with_capacity(1 << 16, file);

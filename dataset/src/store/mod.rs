@@ -27,7 +27,7 @@
 //! - `commands.csv`, `frames.csv`, `sightings.csv`, `odometry.csv`, `lidar.pcap`, `truth.csv` and
 //!   `survey.toml` may be missing. Without `frames.csv`, misses are unknown.
 //!
-//! - `lidar.pcap` may hold other packets, which are passed over, and may lack some, as captures do; [`read_lidar`]
+//! - `lidar.pcap` may hold other packets, which are passed over, and may lack some, as captures do; [`read_and_count`]
 //!   counts both. Its data packets must be sound and in order of time.
 //!
 //! Other files in the folder are left alone. Reading is total: broken input gives a [`ReadError`] that names file,
@@ -52,12 +52,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 pub use error::{Place, ReadError, WriteError, Wrong};
-pub use lidar::read_lidar;
 pub use models::{models_text, parse_models, read_models, write_models};
 pub use number::{number, push_number};
 pub use survey::{read_survey, write_survey};
 
 use crate::log::{Channel, Command, Known, Log, Sighting, Size, Timed};
+use crate::packets::Tally;
 use crate::truth::{Dataset, Truth};
 use keys::Source;
 use rows::{Finding, read_rows, rows_text};
@@ -68,6 +68,14 @@ use tables::Table;
 /// # Errors
 /// [`ReadError`] for the first thing found that the format does not allow.
 pub fn read(dir: &Path) -> Result<Dataset, ReadError> {
+    Ok(read_and_count(dir)?.0)
+}
+
+/// Reads the data set in the folder `dir`, and counts the packets of its `lidar.pcap`, if it has one.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_and_count(dir: &Path) -> Result<(Dataset, Option<Tally>), ReadError> {
     let (known, provenance) = known::parse(&Source::require(&dir.join("dataset.toml"))?)?;
     let commands = read_rows(&dir.join("commands.csv"), &command_tables(&known.robot), no_header_rule, |_| None)?;
     let frames = read_rows(&dir.join("frames.csv"), &[&tables::FRAMES], no_header_rule, |_| None)?;
@@ -80,7 +88,7 @@ pub fn read(dir: &Path) -> Result<Dataset, ReadError> {
     )?;
     let odometry = read_rows(&dir.join("odometry.csv"), &[&tables::ODOMETRY], no_header_rule, |_| None)?;
     let track = read_rows(&dir.join("truth.csv"), &[&tables::TRUTH], no_header_rule, |_| None)?;
-    let firings = read_lidar(dir)?.map(|(firings, _)| Arc::new(firings));
+    let (firings, tally) = lidar::read(dir)?.map(|(firings, tally)| (Arc::new(firings), tally)).unzip();
     lidar::fits(dir, &known, firings.as_deref())?;
     let survey = Source::read(&dir.join("survey.toml"))?.map(|source| survey::parse(&source)).transpose()?;
     let log = Log {
@@ -91,7 +99,7 @@ pub fn read(dir: &Path) -> Result<Dataset, ReadError> {
         odometry: channel(odometry),
         firings,
     };
-    Ok(Dataset { log, truth: Truth { track: channel(track), survey }, provenance })
+    Ok((Dataset { log, truth: Truth { track: channel(track), survey }, provenance }, tally))
 }
 
 /// Writes `dataset` into the folder `dir`, which is made if need be; files of the format that

@@ -26,7 +26,7 @@ fn a_data_set_keeps_its_firings_and_names_the_packet_that_is_broken() {
     assert!(error.contains("lidar.pcap: packet 3: the file seems to have been cut short"), "{error}");
     bytes.truncate(FILE_HEADER + 2 * PACKET);
     std::fs::write(&pcap, &bytes).unwrap();
-    let (_, tally) = store::read_lidar(&set).unwrap().unwrap();
+    let tally = store::read_and_count(&set).unwrap().1.unwrap();
     assert_eq!(tally.packets, 2);
 
     // Unfit firings touch nothing.
