@@ -1,7 +1,7 @@
 //! What an effect is: one named phenomenon that a nominal simulator leaves out.
 
 use asami_dataset::parameters::Parameter;
-use asami_dataset::{Action, Rng, Sighting};
+use asami_dataset::{Action, Frame, Rng, Sighting};
 
 use crate::knobs::Knobs;
 
@@ -53,7 +53,20 @@ pub type CommandStage = Box<dyn FnMut(f64, Action) -> Action + Send>;
 /// See [`Stage::Joint`].
 pub type JointStage = Box<dyn FnMut(f64, &mut [f64]) + Send>;
 /// See [`Stage::Sighting`].
-pub type SightingStage = Box<dyn FnMut(f64, &mut Vec<Sighting>) + Send>;
+pub type SightingStage = Box<dyn FnMut(&Glance, &mut Vec<Sighting>) + Send>;
+
+/// One frame, as a [`SightingStage`] is told of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Glance<'a> {
+    /// When the frame was taken, and where the head was turned to.
+    pub frame: Frame,
+    /// The landmarks that the vision looks for.
+    pub landmarks: &'a [u16],
+    /// Width of what the camera sees.
+    pub view_rad: f64,
+    /// Least and greatest height that the vision reports.
+    pub heights_px: [f64; 2],
+}
 
 /// Where in the loop an effect acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

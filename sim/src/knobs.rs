@@ -4,12 +4,22 @@
 //! in the catalogue's order. A world writes to its physics engine only where a knob changed.
 
 /// The knobs of all robots, one group per place; a robot turns a deaf ear to those it lacks.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// The groups `body`, `eye` and `scene`, and the ground's slope, are read once, before the log begins.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Knobs {
     /// Between the command and the gait.
     pub command: CommandKnobs,
+    /// A legged robot's motors.
+    pub motors: MotorKnobs,
+    /// A legged robot's masses and lengths.
+    pub body: BodyKnobs,
     /// What the feet or wheels stand on.
     pub ground: GroundKnobs,
+    /// Camera, pan encoder and vision.
+    pub eye: EyeKnobs,
+    /// What stands around the robot.
+    pub scene: SceneKnobs,
     /// What a car's mass, engine, brakes and steering are.
     pub vehicle: VehicleKnobs,
 }
@@ -21,11 +31,118 @@ pub struct CommandKnobs {
     pub scale: [f64; 3],
 }
 
+impl Default for CommandKnobs {
+    fn default() -> Self {
+        Self { scale: [1.0; 3] }
+    }
+}
+
+/// The servo motors of a legged robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotorKnobs {
+    /// Factors on the torque that the motors of each leg give, for an error and at most: fore left, fore right,
+    /// hind left, hind right.
+    pub torque_ratio: [f64; 4],
+    /// Factor on the greatest speed of all.
+    pub speed_ratio: f64,
+}
+
+impl Default for MotorKnobs {
+    fn default() -> Self {
+        Self { torque_ratio: [1.0; 4], speed_ratio: 1.0 }
+    }
+}
+
+impl MotorKnobs {
+    /// Mean factor on the torque.
+    #[must_use]
+    pub fn mean_torque_ratio(&self) -> f64 {
+        0.25 * self.torque_ratio.iter().sum::<f64>()
+    }
+}
+
+/// The body of a legged robot.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BodyKnobs {
+    /// Mass of a load on the torso.
+    pub payload_kg: f64,
+    /// How far the load is ahead of the body's centre.
+    pub payload_ahead_m: f64,
+    /// By how much each leg is shorter: fore left, fore right, hind left, hind right.
+    pub short_m: [f64; 4],
+}
+
 /// The ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroundKnobs {
     /// Coulomb friction coefficient between foot or tyre and ground.
     pub friction: f64,
+    /// Sine of its slope, times the unit vector uphill in world x and y.
+    pub slope: [f64; 2],
+}
+
+impl Default for GroundKnobs {
+    fn default() -> Self {
+        Self { friction: 1.0, slope: [0.0; 2] }
+    }
+}
+
+/// How the world becomes what the vision reports.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EyeKnobs {
+    /// Factor on the camera's focal length, which the vision takes for the nominal one.
+    pub focal_ratio: f64,
+    /// Radial distortion of the lens: what is seen at a tangent `r` off the axis comes to stand at
+    /// `r (1 + distortion r^2)`.
+    pub distortion: f64,
+    /// The camera in the head, above where it nominally looks.
+    pub pitch_rad: f64,
+    /// What the pan's encoder reads while the head looks straight ahead, counter-clockwise.
+    pub pan_offset_rad: f64,
+    /// By how much an image is older than its time stamp.
+    pub delay_s: f64,
+    /// By how much a bright thing is taller, and wider, in the image than it should be.
+    pub bloom_px: f64,
+    /// Factor on the noise of pixels, or of heights and bearings where there are no pixels.
+    pub noise_ratio: f64,
+}
+
+impl Default for EyeKnobs {
+    fn default() -> Self {
+        Self {
+            focal_ratio: 1.0,
+            distortion: 0.0,
+            pitch_rad: 0.0,
+            pan_offset_rad: 0.0,
+            delay_s: 0.0,
+            bloom_px: 0.0,
+            noise_ratio: 1.0,
+        }
+    }
+}
+
+impl EyeKnobs {
+    /// Factor on tangents off the axis, from the true one, given its square, to the one that the vision takes from the
+    /// image. Beyond where a barrel would fold back, it opens no further.
+    #[must_use]
+    pub fn magnification(&self, r2: f64) -> f64 {
+        self.focal_ratio * self.bend(r2)
+    }
+
+    /// The distortion's part of it.
+    #[must_use]
+    pub fn bend(&self, r2: f64) -> f64 {
+        let turns_r2 = if self.distortion < 0.0 { -1.0 / (3.0 * self.distortion) } else { f64::INFINITY };
+        1.0 + self.distortion * r2.min(turns_r2)
+    }
+}
+
+/// The scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneKnobs {
+    /// A landmark, counted from the first and round again, and how far it stands from where it is said to, in world x
+    /// and y.
+    pub moved: Option<(usize, [f64; 2])>,
 }
 
 /// A car.

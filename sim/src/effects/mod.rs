@@ -1,8 +1,27 @@
 //! The catalogue of effects: one file and one row each.
 
+pub mod battery_sag;
+pub mod camera_pitch;
 pub mod command_delay;
 pub mod command_scale;
+pub mod false_sightings;
+pub mod focal_error;
 pub mod ground_friction;
+pub mod height_bias;
+pub mod image_delay;
+pub mod joint_backlash;
+pub mod landmark_moved;
+pub mod lens_distortion;
+pub mod missed_sightings;
+pub mod motor_weakness;
+pub mod pan_offset;
+pub mod payload;
+pub mod servo_latency;
+pub mod servo_speed_limit;
+pub mod short_leg;
+pub mod slope;
+pub mod vision_noise;
+pub mod weak_leg;
 
 use asami_dataset::parameters::{Fault, Parameters};
 
@@ -12,7 +31,7 @@ use crate::effect::{About, Effect};
 macro_rules! effects {
     ($($name:ident => $T:ident),* $(,)?) => {
         /// The `[effects]` table of a scenario: an effect is on where its table stands.
-        #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[derive(Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
         #[serde(deny_unknown_fields, default)]
         pub struct Effects {
             $(#[doc = concat!("`[effects.", stringify!($name), "]`")]
@@ -58,8 +77,35 @@ macro_rules! effects {
     };
 }
 
+/// Those that are on, so that what depends on the text does not change whenever the catalogue grows.
+impl std::fmt::Debug for Effects {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let on = self.iter().map(|effect| (effect.about().name, effect.values()));
+        f.debug_map().entries(on).finish()
+    }
+}
+
 effects! {
     command_delay => CommandDelay,
     command_scale => CommandScale,
+    servo_speed_limit => ServoSpeedLimit,
+    servo_latency => ServoLatency,
+    joint_backlash => JointBacklash,
+    motor_weakness => MotorWeakness,
+    weak_leg => WeakLeg,
+    battery_sag => BatterySag,
     ground_friction => GroundFriction,
+    slope => Slope,
+    payload => Payload,
+    short_leg => ShortLeg,
+    focal_error => FocalError,
+    lens_distortion => LensDistortion,
+    camera_pitch => CameraPitch,
+    pan_offset => PanOffset,
+    image_delay => ImageDelay,
+    height_bias => HeightBias,
+    vision_noise => VisionNoise,
+    missed_sightings => MissedSightings,
+    false_sightings => FalseSightings,
+    landmark_moved => LandmarkMoved,
 }

@@ -64,6 +64,21 @@ pub struct Field {
 }
 
 impl Field {
+    /// The same field with one beacon, counted from 0 in the order of ids and round again, shifted in world x and y.
+    #[must_use]
+    pub fn with_moved(&self, moved: Option<(usize, [f64; 2])>) -> Self {
+        let mut field = self.clone();
+        let Some((number, [x_m, y_m])) = moved else { return field };
+        let mut order: Vec<&mut Landmark> = field.beacons.iter_mut().collect();
+        order.sort_by_key(|beacon| beacon.id);
+        let count = order.len().max(1);
+        if let Some(beacon) = order.get_mut(number % count) {
+            beacon.body.x_m += x_m;
+            beacon.body.y_m += y_m;
+        }
+        field
+    }
+
     /// Adds a fault for everything that cannot stand on a field.
     pub fn check(&self, path: &str, faults: &mut Vec<Fault>) {
         let mut ids = BTreeSet::new();

@@ -15,6 +15,7 @@ use rand::{Rng as _, RngExt};
 use super::image::Image;
 use super::paint::{CARPET, WALL, paint};
 use super::raster::{Coverage, FULL, Quad, Window};
+use crate::knobs::EyeKnobs;
 use crate::scenes::field::{Colour, Cylinder, Field};
 
 asami_dataset::parameters! {
@@ -66,6 +67,7 @@ pub struct Camera {
     /// Share of a frame's time for which one row is exposed; the rest passes between top and bottom row.
     exposed: f64,
     cylinders: Vec<Cylinder>,
+    flaws: EyeKnobs,
     rng: Rng,
     noise: Vec<i16>,
     image: Image,
@@ -99,6 +101,7 @@ impl Camera {
             // A frame that takes no time has nothing moving in it.
             exposed: config.exposure_s / config.frame_s().max(f64::MIN_POSITIVE),
             cylinders: beacons.chain(&field.clutter).cloned().collect(),
+            flaws: EyeKnobs::default(),
             rng,
             noise,
             image: Image::new(width_px, height_px),
@@ -107,6 +110,18 @@ impl Camera {
             cover: Default::default(),
             wall_foot: vec![0; width_px],
         }
+    }
+
+    /// A camera with another focal length than it is said to have, a lens that bends, more noise and rims that
+    /// bloom. The room's horizon stays straight; no vision looks at it.
+    #[must_use]
+    pub fn flawed(config: &CameraConfig, flaws: &EyeKnobs, field: &Field, rng: Rng) -> Self {
+        let config = CameraConfig {
+            focal_px: config.focal_px * flaws.focal_ratio,
+            pixel_noise_sd: config.pixel_noise_sd * flaws.noise_ratio,
+            ..config.clone()
+        };
+        Self { flaws: flaws.clone(), ..Self::new(&config, field, rng) }
     }
 
     /// The picture taken while the camera moves from where the top row's shutter opens to where the
@@ -223,14 +238,36 @@ impl Camera {
                     return None;
                 }
                 depth_m += seen.z / 8.0;
+                let focal_px = if self.flaws.distortion == 0.0 {
+                    self.focal_px
+                } else {
+                    let r2 = (seen.x * seen.x + seen.y * seen.y) / (seen.z * seen.z);
+                    self.focal_px * self.flaws.bend(r2)
+                };
                 *corner = [
-                    0.5 * self.image.width_px() as f64 + self.focal_px * seen.x / seen.z,
-                    0.5 * self.image.height_px() as f64 + self.focal_px * seen.y / seen.z,
+                    0.5 * self.image.width_px() as f64 + focal_px * seen.x / seen.z,
+                    0.5 * self.image.height_px() as f64 + focal_px * seen.y / seen.z,
                 ];
             }
         }
+        self.bloom(&mut rims);
         let quads = std::array::from_fn(|i| [rims[i][0], rims[i][1], rims[i + 1][1], rims[i + 1][0]]);
         Some((quads, depth_m))
+    }
+
+    /// Bands grow over their rims, by half of what their height grows.
+    fn bloom(&self, rims: &mut [[[f64; 2]; 2]; PARTS + 1]) {
+        // What shrinks is never turned inside out.
+        let narrowest_px = rims[0][1][0] - rims[0][0][0];
+        let by_px = (0.5 * self.flaws.bloom_px).max(-0.45 * narrowest_px.max(0.0));
+        for [left, right] in &mut rims[..PARTS] {
+            left[0] -= by_px;
+            right[0] += by_px;
+        }
+        for corner in 0..2 {
+            rims[0][corner][1] -= by_px;
+            rims[PARTS - 1][corner][1] += by_px;
+        }
     }
 
     fn add_noise(&mut self) {

@@ -8,9 +8,14 @@ use rapier3d_urdf::{UrdfLoaderOptions, UrdfMultibodyOptions, UrdfRobot};
 use super::BuildError;
 use super::blueprint::{Blueprint, JOINT_NAMES, JOINTS, LEG_NAMES};
 use super::config::{AiboConfig, Joints, Physics};
+use crate::knobs::BodyKnobs;
 
 /// The axis about which every joint turns, in its own frame.
 const AXIS: usize = JointAxis::AngX as usize;
+
+/// A load's size, and how high above the body's centre it is: on the back.
+const PAYLOAD_RADIUS_M: f32 = 0.03;
+const PAYLOAD_UP_M: f32 = 0.06;
 
 /// The Aibo in its own engine, with a flat ground.
 pub struct Body {
@@ -24,6 +29,9 @@ pub struct Body {
     /// Shapes other than the feet.
     shell: Vec<ColliderHandle>,
     friction: [f64; 5],
+    /// Of every joint's motor, nominally: torque for each radian of error, and at most.
+    motors: [[f64; 2]; JOINTS],
+    torque_ratio: [f64; 4],
 }
 
 enum JointHandles {
@@ -88,7 +96,71 @@ impl Body {
             feet,
             shell,
             friction: [config.physics.friction; 5],
+            motors: blueprint.joints.map(|joint| [config.servo.stiffness_n_m_per_rad, joint.effort_n_m]),
+            torque_ratio: [1.0; 4],
         })
+    }
+
+    /// Puts a load on the torso, and shortens legs; before the first step.
+    pub fn load(&mut self, knobs: &BodyKnobs) {
+        for (foot, short_m) in self.feet.into_iter().zip(knobs.short_m) {
+            let at = self.engine.colliders[foot].position_wrt_parent().copied();
+            if let Some(mut at) = at.filter(|_| short_m != 0.0) {
+                at.translation.z += short_m as f32;
+                self.engine.colliders[foot].set_position_wrt_parent(at);
+            }
+        }
+        if knobs.payload_kg > 0.0 {
+            // A ball that meets nothing.
+            let ball = ColliderBuilder::ball(PAYLOAD_RADIUS_M)
+                .translation(Vector::new(knobs.payload_ahead_m as f32, 0.0, PAYLOAD_UP_M))
+                .mass(knobs.payload_kg as f32)
+                .collision_groups(InteractionGroups::none());
+            self.engine.colliders.insert_with_parent(ball, self.torso, &mut self.engine.bodies);
+        }
+    }
+
+    /// Inclines the ground: gravity in the ground's own axes. `slope` is its sine, times the unit vector uphill.
+    pub fn incline(&mut self, slope: [f64; 2]) {
+        if slope != [0.0; 2] {
+            let g_m_per_s2 = f64::from(self.engine.gravity.z.abs());
+            let [x, y] = slope;
+            let level = (1.0 - x * x - y * y).max(0.0).sqrt();
+            self.engine.gravity = Vector::new(
+                (-g_m_per_s2 * x) as f32,
+                (-g_m_per_s2 * y) as f32,
+                (-g_m_per_s2 * level) as f32,
+            );
+        }
+    }
+
+    /// Sets the torques that the motors of the four legs give for an error, and at most, relative to the nominal
+    /// ones; writes to the engine only what changed.
+    pub fn set_torque(&mut self, ratios: [f64; 4]) {
+        for (leg, ratio) in ratios.into_iter().enumerate() {
+            if ratio == self.torque_ratio[leg] {
+                continue;
+            }
+            self.torque_ratio[leg] = ratio;
+            for i in 3 * leg..3 * leg + 3 {
+                let [stiffness, effort_n_m] = self.motors[i].map(|nominal| (ratio * nominal) as f32);
+                if let Some(motor) = self.motor_mut(i) {
+                    motor.stiffness = stiffness;
+                    motor.max_force = effort_n_m;
+                }
+            }
+        }
+    }
+
+    fn motor_mut(&mut self, i: usize) -> Option<&mut JointMotor> {
+        let joint = match &self.joints {
+            JointHandles::Multibody(handles) => {
+                let (multibody, link) = self.engine.multibody_joints.get_mut(*handles.get(i)?)?;
+                &mut multibody.link_mut(link)?.joint.data
+            }
+            JointHandles::Impulse(handles) => &mut self.engine.impulse_joints.get_mut(*handles.get(i)?, false)?.data,
+        };
+        Some(&mut joint.motors[AXIS])
     }
 
     /// Moves on by one engine step.
@@ -98,22 +170,9 @@ impl Body {
 
     /// Gives the motors their set-points, in the order of [`JOINT_NAMES`].
     pub fn aim(&mut self, set_points_rad: &[f64]) {
-        match &self.joints {
-            JointHandles::Multibody(handles) => {
-                for (&handle, &angle_rad) in handles.iter().zip(set_points_rad) {
-                    if let Some((multibody, link)) = self.engine.multibody_joints.get_mut(handle)
-                        && let Some(link) = multibody.link_mut(link)
-                    {
-                        link.joint.data.motors[AXIS].target_pos = angle_rad as f32;
-                    }
-                }
-            }
-            JointHandles::Impulse(handles) => {
-                for (&handle, &angle_rad) in handles.iter().zip(set_points_rad) {
-                    if let Some(joint) = self.engine.impulse_joints.get_mut(handle, false) {
-                        joint.data.motors[AXIS].target_pos = angle_rad as f32;
-                    }
-                }
+        for (i, &angle_rad) in set_points_rad.iter().enumerate() {
+            if let Some(motor) = self.motor_mut(i) {
+                motor.target_pos = angle_rad as f32;
             }
         }
     }

@@ -28,8 +28,8 @@ impl SetPoints {
         Self { angles_rad, greatest_step_rad, jitter_rad: servo.set_point_jitter_rad, rng }
     }
 
-    /// Moves towards `wanted_rad` for one control period.
-    pub fn approach(&mut self, wanted_rad: &[f64]) -> &mut [f64] {
+    /// Moves towards `wanted_rad` for one control period, at `speed_ratio` of the greatest speed at most.
+    pub fn approach(&mut self, wanted_rad: &[f64], speed_ratio: f64) -> &mut [f64] {
         for ((angle, wanted), step) in self.angles_rad.iter_mut().zip(wanted_rad).zip(&self.greatest_step_rad) {
             let jitter = if self.jitter_rad > 0.0 {
                 let normal: f64 = StandardNormal.sample(&mut self.rng);
@@ -37,7 +37,8 @@ impl SetPoints {
             } else {
                 0.0
             };
-            *angle += (wanted + jitter - *angle).clamp(-step, *step);
+            let step = speed_ratio * step;
+            *angle += (wanted + jitter - *angle).clamp(-step, step);
         }
         &mut self.angles_rad
     }

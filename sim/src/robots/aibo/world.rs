@@ -18,7 +18,7 @@ use super::servo::SetPoints;
 use super::watch::{Contacts, Watch, outline};
 use crate::effect::{CommandStage, JointStage, SightingStage, Stage};
 use crate::effects::Effects;
-use crate::knobs::{CommandKnobs, GroundKnobs, Knobs, VehicleKnobs};
+use crate::knobs::{GroundKnobs, Knobs};
 use crate::scenes::field::Field;
 use crate::sensors::camera::CameraConfig;
 use crate::sensors::image::Image;
@@ -67,7 +67,14 @@ impl AiboWorld {
         let trot = Trot::new(config.gait.clone(), blueprint.legs.clone(), start.gait_phase);
         let angles_rad = joints_rad(&config.head, &trot, 0.0);
         let world_from_torso = start.world_from_torso(&config.gait, &blueprint, trot.pitch_rad());
+        let nominal = Knobs {
+            ground: GroundKnobs { friction: config.physics.friction, ..GroundKnobs::default() },
+            ..Knobs::default()
+        };
+        let knobs = turned(&nominal, effects, 0.0);
         let mut body = Body::new(config, &blueprint, &world_from_torso, &angles_rad)?;
+        body.load(&knobs.body);
+        body.incline(knobs.ground.slope);
         for _ in 0..(config.physics.settle_s / config.physics.time_step_s).round() as u64 {
             body.step();
         }
@@ -83,12 +90,16 @@ impl AiboWorld {
             ),
             grip: Grip::new(config.disturbance.clone(), seed.stream("aibo/grip")),
             heading: Heading::new(config.heading_hold.clone(), field.beacons.first().map(|beacon| beacon.id)),
-            nominal: Knobs {
-                command: CommandKnobs { scale: [1.0; 3] },
-                ground: GroundKnobs { friction: config.physics.friction },
-                vehicle: VehicleKnobs::default(),
-            },
-            eye: Eye::new(camera, &config.head, &blueprint, field, config.physics.time_step_s, seed),
+            nominal,
+            eye: Eye::new(
+                camera,
+                &config.head,
+                &blueprint,
+                &field.with_moved(knobs.scene.moved),
+                &knobs.eye,
+                config.physics.time_step_s,
+                seed,
+            ),
             known: known(config, camera, field),
             config: config.clone(),
             effects: effects.clone(),
@@ -159,11 +170,11 @@ impl AiboWorld {
     }
 
     /// Moves the servos towards what the gait wants.
-    fn drive(&mut self, t_s: f64, attempt: Attempt) {
+    fn drive(&mut self, t_s: f64, attempt: Attempt, speed_ratio: f64) {
         self.trot.step(self.config.physics.tick_s(), attempt);
         let wanted_rad = joints_rad(&self.config.head, &self.trot, t_s);
         let mut aimed_rad = [0.0; JOINTS];
-        aimed_rad.copy_from_slice(self.set_points.approach(&wanted_rad));
+        aimed_rad.copy_from_slice(self.set_points.approach(&wanted_rad, speed_ratio));
         for stage in &mut self.joint_stages {
             stage(t_s, &mut aimed_rad);
         }
@@ -179,7 +190,7 @@ impl AiboWorld {
         }
         let (frame, mut sightings) = self.eye.look(now_s);
         for stage in &mut self.sighting_stages {
-            stage(frame.t_s, &mut sightings);
+            stage(&self.eye.glance(frame), &mut sightings);
         }
         self.heading.look(&sightings);
         record.seen.frames.push(frame);
@@ -211,19 +222,17 @@ impl World for AiboWorld {
 
     fn tick(&mut self, action: Action, record: &mut Record) {
         let t_s = self.now_s();
-        let mut knobs = self.nominal.clone();
-        for effect in self.effects.iter() {
-            effect.tune(t_s, &mut knobs);
-        }
+        let knobs = turned(&self.nominal, &self.effects, t_s);
         let friction = knobs.ground.friction;
         self.body.set_friction(self.grip.factors(t_s).map(|factor| factor * friction), friction);
+        self.body.set_torque(knobs.motors.torque_ratio);
 
         if self.steps == 0 {
             self.eye.follow(&self.body.world_from_head(), self.body.angle_rad(PAN));
             record.track.push(self.pose());
         }
         let attempt = self.attempt(t_s, action, &knobs);
-        self.drive(t_s, attempt);
+        self.drive(t_s, attempt, knobs.motors.speed_ratio);
         for _ in 0..self.config.physics.steps_per_tick {
             self.body.step();
             self.steps += 1;
@@ -239,6 +248,15 @@ impl World for AiboWorld {
             });
         }
     }
+}
+
+/// The knobs as the effects turn them.
+fn turned(nominal: &Knobs, effects: &Effects, t_s: f64) -> Knobs {
+    let mut knobs = nominal.clone();
+    for effect in effects.iter() {
+        effect.tune(t_s, &mut knobs);
+    }
+    knobs
 }
 
 fn known(config: &AiboConfig, camera: &CameraConfig, field: &Field) -> Known {

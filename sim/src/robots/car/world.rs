@@ -14,7 +14,7 @@ use super::config::CarConfig;
 use super::drivetrain::Drivetrain;
 use crate::effect::{CommandStage, Stage};
 use crate::effects::Effects;
-use crate::knobs::{CommandKnobs, GroundKnobs, Knobs, VehicleKnobs};
+use crate::knobs::{GroundKnobs, Knobs};
 use crate::scenes::solid::Ground;
 use crate::scenes::town::Waypoint;
 use crate::sensors::velodyne::SensorPose;
@@ -86,9 +86,8 @@ impl CarWorld {
             drivetrain: Drivetrain::new(config.engine.clone()),
             body: Body::new(config, blueprint, ground, [start.x_m, start.y_m], facing)?,
             nominal: Knobs {
-                command: CommandKnobs { scale: [1.0; 3] },
-                ground: GroundKnobs { friction: config.physics.friction },
-                vehicle: VehicleKnobs::default(),
+                ground: GroundKnobs { friction: config.physics.friction, ..GroundKnobs::default() },
+                ..Knobs::default()
             },
             config: config.clone(),
             effects: effects.clone(),

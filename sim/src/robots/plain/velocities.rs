@@ -5,6 +5,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::config::Distortion;
 use crate::drives::suite::{Suite, normalised};
+use crate::knobs::MotorKnobs;
 
 /// Right, forward, counter-clockwise.
 pub type Velocity = [f64; 3];
@@ -50,16 +51,23 @@ impl Velocities {
     }
 
     /// Velocities of the action `id`, or of one without an id, that attempts `attempt`.
+    ///
+    /// Slower motors reach a part of the greatest attempt and no more. Torque is needed in proportion to speed: of
+    /// what it lacks, half is lost in speed where an action attempts the greatest.
     #[must_use]
-    pub fn of(&self, id: Option<u16>, attempt: Velocity) -> Velocity {
-        self.of_normalised(id, std::array::from_fn(|i| attempt[i] / self.greatest[i]))
+    pub fn of(&self, id: Option<u16>, attempt: Velocity, motors: &MotorKnobs) -> Velocity {
+        let reach = if motors.speed_ratio < 1.0 { motors.speed_ratio } else { f64::INFINITY };
+        let u = std::array::from_fn(|i| (attempt[i] / self.greatest[i]).clamp(-reach, reach));
+        self.of_normalised(id, u, 0.5 * (1.0 - motors.mean_torque_ratio()))
     }
 
-    fn of_normalised(&self, id: Option<u16>, u: [f64; 3]) -> Velocity {
+    /// `droop` comes on top of the bend.
+    fn of_normalised(&self, id: Option<u16>, u: [f64; 3], droop: f64) -> Velocity {
+        let bend = self.bend + droop;
         let speed = (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]).sqrt();
         let irregular = id.and_then(|id| self.irregular.get(usize::from(id))).copied().unwrap_or_default();
         std::array::from_fn(|i| {
-            let mixed: f64 = self.mix[i].iter().zip(u).map(|(share, u)| share * u * (1.0 - self.bend * u.abs())).sum();
+            let mixed: f64 = self.mix[i].iter().zip(u).map(|(share, u)| share * u * (1.0 - bend * u.abs())).sum();
             self.range[i] * (mixed + speed * (self.bias[i] + irregular[i]))
         })
     }
@@ -68,7 +76,7 @@ impl Velocities {
     fn extents(&self) -> Velocity {
         let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for (id, u) in (0..).zip(normalised()) {
-            for (i, v) in self.of_normalised(Some(id), u).into_iter().enumerate() {
+            for (i, v) in self.of_normalised(Some(id), u, 0.0).into_iter().enumerate() {
                 least[i] = if v < least[i] { v } else { least[i] };
                 most[i] = if v > most[i] { v } else { most[i] };
             }

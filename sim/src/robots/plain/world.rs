@@ -3,25 +3,34 @@
 use asami_dataset::survey::{self, Height, Survey};
 use asami_dataset::{Action, Beacon, Frame, Known, Rng, Seed, TruePose};
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::sin_cos;
+use asami_math::elementary::{hypot, sin_cos};
 use rand_distr::{Distribution, StandardNormal};
 
 use super::config::PlainConfig;
+use super::past::Past;
 use super::velocities::{Velocities, Velocity};
 use crate::drives::suite::Suite;
-use crate::effect::{CommandStage, SightingStage, Stage};
+use crate::effect::{CommandStage, Glance, SightingStage, Stage};
 use crate::effects::Effects;
-use crate::knobs::{CommandKnobs, GroundKnobs, Knobs, VehicleKnobs};
+use crate::knobs::{EyeKnobs, Knobs};
 use crate::scenes::field::{Field, Landmark};
 use crate::survey::Surveying;
 use crate::world::{Record, World};
+
+/// Share of its speed at which the robot would slide down a vertical slope, if the law of small slopes held.
+const SLIDE: f64 = 2.0;
 
 /// The plain robot in its world.
 pub struct PlainWorld {
     config: PlainConfig,
     suite: Suite,
     effects: Effects,
+    /// Where the robot thinks that the beacons stand.
     beacons: Vec<Beacon>,
+    /// Where they stand.
+    standing: Vec<Beacon>,
+    ids: Vec<u16>,
+    eye: EyeKnobs,
     velocities: Velocities,
 
     command_stages: Vec<CommandStage>,
@@ -30,6 +39,7 @@ pub struct PlainWorld {
     sight_rng: Rng,
 
     pose: TruePose,
+    past: Past,
     steps: u64,
 }
 
@@ -45,23 +55,27 @@ impl PlainWorld {
         start: TruePose,
         seed: Seed,
     ) -> Self {
-        let beacon =
-            |it: &Landmark| Beacon { id: it.id, x_m: it.body.x_m, y_m: it.body.y_m, height_m: Some(it.body.height_m) };
-        let mut beacons: Vec<Beacon> = field.beacons.iter().map(beacon).collect();
-        beacons.sort_by_key(|beacon| beacon.id);
+        let beacons = beacons(field);
         let mut world = Self {
             config: config.clone(),
             suite: suite.clone(),
             effects: effects.clone(),
+            standing: Vec::new(),
+            ids: beacons.iter().map(|beacon| beacon.id).collect(),
             beacons,
+            eye: EyeKnobs::default(),
             velocities: Velocities::new(&config.distortion, suite),
             command_stages: Vec::new(),
             sighting_stages: Vec::new(),
             motion_rng: seed.stream("plain/motion"),
             sight_rng: seed.stream("plain/sight"),
             pose: TruePose { t_s: 0.0, theta_rad: wrap_rad(start.theta_rad), ..start },
+            past: Past::default(),
             steps: 0,
         };
+        let knobs = world.knobs(0.0);
+        world.standing = self::beacons(&field.with_moved(knobs.scene.moved));
+        world.eye = knobs.eye;
         for effect in effects.iter() {
             match effect.stage(seed.stream(&format!("effect/{}", effect.about().name))) {
                 Some(Stage::Command(stage)) => world.command_stages.push(stage),
@@ -79,23 +93,23 @@ impl PlainWorld {
     pub fn survey(&self, how: &Surveying) -> Survey {
         let sight = &self.config.sight;
         let motion = &self.config.motion;
-        let knobs = self.knobs(0.0);
+        let (knobs, eye) = (self.knobs(0.0), &self.eye);
         let velocity_by_action = (0..).zip(self.suite.actions()).map(|(action, attempted)| {
             let [vx_m_per_s, vy_m_per_s, vtheta_rad_per_s] = self.velocity(attempted, &knobs);
             survey::Velocity { action, vx_m_per_s, vy_m_per_s, vtheta_rad_per_s }
         });
         let height_by_distance = how.distances_m().into_iter().map(|distance_m| Height {
             distance_m,
-            height_px: sight.height_px(distance_m),
-            sd_px: sight.sigma1_px,
-            bearing_sd_rad: sight.sigma2_rad,
+            height_px: sight.height_px(distance_m, eye),
+            sd_px: sight.sigma1_px * eye.noise_ratio,
+            bearing_sd_rad: sight.sigma2_rad * eye.noise_ratio,
             readings: how.readings,
         });
         Survey {
             velocity_by_action: velocity_by_action.collect(),
             height_by_distance: height_by_distance.collect(),
-            sigma1_px: Some(sight.sigma1_px),
-            sigma2_rad: Some(sight.sigma2_rad),
+            sigma1_px: Some(sight.sigma1_px * eye.noise_ratio),
+            sigma2_rad: Some(sight.sigma2_rad * eye.noise_ratio),
             motion_sd: Some([motion.right_sd_m, motion.forward_sd_m, motion.turn_sd_rad]),
             ..Survey::default()
         }
@@ -107,11 +121,7 @@ impl PlainWorld {
 
     /// The knobs as the effects turn them.
     fn knobs(&self, t_s: f64) -> Knobs {
-        let mut knobs = Knobs {
-            command: CommandKnobs { scale: [1.0; 3] },
-            ground: GroundKnobs { friction: 1.0 },
-            vehicle: VehicleKnobs::default(),
-        };
+        let mut knobs = Knobs::default();
         for effect in self.effects.iter() {
             effect.tune(t_s, &mut knobs);
         }
@@ -125,7 +135,20 @@ impl PlainWorld {
         for (velocity, scale) in attempt.iter_mut().zip(knobs.command.scale) {
             *velocity *= scale;
         }
-        self.velocities.of(id, attempt)
+        self.velocities.of(id, attempt, &knobs.motors)
+    }
+
+    /// A velocity on a slope: with every step the robot slides downhill.
+    fn on_slope(&self, mut velocity: Velocity, slope: [f64; 2]) -> Velocity {
+        if slope == [0.0; 2] {
+            return velocity;
+        }
+        let slid_m_per_s = SLIDE * hypot(velocity[0], velocity[1]);
+        let (sin, cos) = sin_cos(self.pose.theta_rad);
+        let uphill = [slope[0] * cos + slope[1] * sin, slope[1] * cos - slope[0] * sin];
+        velocity[0] -= slid_m_per_s * uphill[0];
+        velocity[1] -= slid_m_per_s * uphill[1];
+        velocity
     }
 
     /// Moves by one step.
@@ -148,16 +171,30 @@ impl PlainWorld {
 
     /// Takes a frame.
     fn look(&mut self, record: &mut Record) {
-        let t_s = self.pose.t_s;
-        let mut sightings = self.config.sight.look(&self.pose, &self.beacons, &mut self.sight_rng);
+        let (t_s, sight, eye) = (self.pose.t_s, &self.config.sight, &self.eye);
+        self.past.note(self.pose, t_s - eye.delay_s);
+        let seen_from = self.past.at(t_s - eye.delay_s).unwrap_or(self.pose);
+        let pan_reading_rad = sight.head_pan_rad(t_s) + eye.pan_offset_rad;
+        let at = (t_s, pan_reading_rad);
+        let mut sightings = sight.look(at, &seen_from, &self.standing, eye, &mut self.sight_rng);
+        let frame = Frame { t_s, head_pan_rad: wrap_rad(pan_reading_rad) };
+        let (view_rad, heights_px) = (sight.view_rad, sight.heights_px());
         for stage in &mut self.sighting_stages {
-            stage(t_s, &mut sightings);
+            stage(&Glance { frame, landmarks: &self.ids, view_rad, heights_px }, &mut sightings);
         }
-        let head_pan_rad = wrap_rad(self.config.sight.head_pan_rad(t_s));
-        record.seen.frames.push(Frame { t_s, head_pan_rad });
+        record.seen.frames.push(frame);
         record.seen.sightings.append(&mut sightings);
         record.track.push(self.pose);
     }
+}
+
+/// In the order of their ids.
+fn beacons(field: &Field) -> Vec<Beacon> {
+    let beacon =
+        |it: &Landmark| Beacon { id: it.id, x_m: it.body.x_m, y_m: it.body.y_m, height_m: Some(it.body.height_m) };
+    let mut beacons: Vec<Beacon> = field.beacons.iter().map(beacon).collect();
+    beacons.sort_by_key(|beacon| beacon.id);
+    beacons
 }
 
 impl World for PlainWorld {
@@ -184,7 +221,8 @@ impl World for PlainWorld {
             self.look(record);
         }
         let action = self.command_stages.iter_mut().fold(action, |action, stage| stage(t_s, action));
-        let velocity = self.velocity(action, &self.knobs(t_s));
+        let knobs = self.knobs(t_s);
+        let velocity = self.on_slope(self.velocity(action, &knobs), knobs.ground.slope);
         self.step(velocity);
         self.look(record);
     }

@@ -82,16 +82,6 @@ fn same_seed_same_bits_other_seed_other_bits() {
     assert_ne!(walk(1000).truth.track, walk(1001).truth.track);
 }
 
-#[test]
-fn null_effects_change_no_bit() {
-    let null = Effects {
-        command_delay: Some(CommandDelay::default()),
-        command_scale: Some(CommandScale::default()),
-        ground_friction: Some(GroundFriction::default()),
-    };
-    assert_eq!(walk(&Effects::default(), 1000, 0.1, 2.0), walk(&null, 1000, 0.1, 2.0));
-}
-
 /// A delay of a whole stride repeats the walk a stride later.
 #[test]
 fn delay_shifts_the_response_and_leaves_the_steady_speed() {

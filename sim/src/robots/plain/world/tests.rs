@@ -139,7 +139,7 @@ fn noise_is_what_the_survey_says() {
     let (mut heights, mut bearings) = (Vec::new(), Vec::new());
     for sighting in dataset.log.sightings.iter() {
         let (distance_m, bearing_rad) = geometry(&dataset, sighting);
-        heights.push(sighting.size.value() - config.sight.height_px(distance_m));
+        heights.push(sighting.size.value() - config.sight.height_px(distance_m, &EyeKnobs::default()));
         bearings.push(wrap_rad(sighting.bearing_rad - bearing_rad));
     }
     assert_eq!((truth.sigma1_px, truth.sigma2_rad), (Some(1.0), Some(0.5)));
