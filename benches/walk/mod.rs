@@ -49,7 +49,7 @@ impl Walk {
     pub fn aim(&mut self) -> Vec<f64> {
         self.trot.step(self.config.physics.tick_s(), ATTEMPT);
         let wanted_rad = joints_rad(&self.config.head, &self.trot, 0.0);
-        let aimed_rad = self.set_points.approach(&wanted_rad).to_vec();
+        let aimed_rad = self.set_points.approach(&wanted_rad, 1.0).to_vec();
         self.body.aim(&aimed_rad);
         aimed_rad
     }

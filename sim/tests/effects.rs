@@ -3,7 +3,7 @@
 
 use asami_dataset::{Action, Dataset, Rng, Seed, TruePose};
 use asami_sim::drives::suite::Suite;
-use asami_sim::effect::About;
+use asami_sim::effect::{About, Draw, Way};
 use asami_sim::effects::{Effects, catalogue};
 use asami_sim::robots::aibo::{AiboConfig, AiboWorld, Start};
 use asami_sim::robots::car::{CarConfig, CarWorld};
@@ -21,10 +21,13 @@ const WALK_S: f64 = 6.0;
 const ROBOTS: [&str; 3] = ["aibo", "car", "plain"];
 
 fn walk(robot: &str, effects: &Effects, seed: u64) -> Dataset {
+    walk_until(robot, effects, seed, WALK_S)
+}
+
+fn walk_until(robot: &str, effects: &Effects, seed: u64, until_s: f64) -> Dataset {
     let seed = Seed(seed);
-    let pedals = robot == "car";
-    let mut drive = Wander { rng: seed.stream("drive"), current: None, pedals };
-    run(&mut *world(robot, effects, seed), &mut drive, WALK_S)
+    let mut drive = Wander { rng: seed.stream("drive"), current: None, robot: robot.to_owned() };
+    run(&mut *world(robot, effects, seed), &mut drive, until_s)
 }
 
 fn world(robot: &str, effects: &Effects, seed: Seed) -> Box<dyn World> {
@@ -50,8 +53,7 @@ fn world(robot: &str, effects: &Effects, seed: Seed) -> Box<dyn World> {
 struct Wander {
     rng: Rng,
     current: Option<(f64, Action)>,
-    /// Of a car rather than of legs.
-    pedals: bool,
+    robot: String,
 }
 
 impl Drive for Wander {
@@ -68,19 +70,21 @@ impl Drive for Wander {
 impl Wander {
     fn draw(&mut self) -> Action {
         let [a, b, c] = [(); 3].map(|()| 2.0 * self.rng.random::<f64>() - 1.0);
-        if self.pedals {
+        if self.robot == "car" {
             // Firm enough on brake and steering for tyres to slide.
             return Action::Pedals { throttle: a.abs(), brake: if b > 0.2 { b } else { 0.0 }, steering: c };
         }
-        Action::Legs { id: None, ax_m_per_s: 0.06 * a, ay_m_per_s: 0.2 * b, atheta_rad_per_s: 0.4 * c }
+        // The plain robot's whole range, and a stroll of the Aibo's.
+        let [right, forward, turn] = if self.robot == "plain" { [0.35, 0.4, 3.0] } else { [0.06, 0.2, 0.4] };
+        Action::Legs { id: None, ax_m_per_s: right * a, ay_m_per_s: forward * b, atheta_rad_per_s: turn * c }
     }
 }
 
-/// One effect with every parameter set by `choose`.
-fn set(about: &About, choose: impl Fn(&asami_dataset::parameters::Parameter) -> f64) -> Effects {
+/// One effect with every parameter at its null value.
+fn null(about: &About) -> Effects {
     let mut effects = Effects::default();
     for parameter in about.parameters {
-        assert!(effects.set(about.name, parameter.name, choose(parameter)), "{}.{}", about.name, parameter.name);
+        assert!(effects.set(about.name, parameter.name, parameter.default), "{}.{}", about.name, parameter.name);
     }
     effects
 }
@@ -89,21 +93,42 @@ fn fitting(robot: &str) -> Vec<&'static About> {
     catalogue().into_iter().filter(|about| about.fits.contains(&robot)).collect()
 }
 
-/// The parameter that says when an effect begins; by itself it does nothing.
-const BEGIN: &str = "from_s";
-
-/// The end of a parameter's range that is farther from its null value; a beginning is within the walk.
-fn far(parameter: &asami_dataset::parameters::Parameter) -> f64 {
-    if parameter.name == BEGIN {
-        return WALK_S / 3.0;
+/// Adds an effect as its law plants it, with its size `part` of the way from least to greatest by ratio.
+fn plant(effects: &mut Effects, about: &About, part: f64) {
+    let mut distance = 0.0;
+    for (_, draw) in about.law {
+        if let Draw::Size { way, least, greatest } = draw {
+            distance = least * (greatest / least).powf(part) * if *way == Way::Down { -1.0 } else { 1.0 };
+        }
     }
-    let (least, greatest) = parameter.range;
-    if parameter.default - least > greatest - parameter.default { least } else { greatest }
+    for (name, draw) in about.law {
+        let default = about.parameters.iter().find(|it| it.name == *name).map(|it| it.default).unwrap_or(f64::NAN);
+        let value = match draw {
+            Draw::Size { .. } | Draw::Same => default + distance,
+            Draw::Choice(values) => values[0],
+        };
+        assert!(effects.set(about.name, name, value), "{}.{name}", about.name);
+    }
 }
+
+fn planted(about: &About, part: f64) -> Effects {
+    let mut effects = Effects::default();
+    plant(&mut effects, about, part);
+    effects
+}
+
+/// Whether two logs do: of a car without its scanner, which sees nothing, whether two tracks do.
+fn differ(robot: &str, one: &Dataset, other: &Dataset) -> bool {
+    if robot == "car" { one.truth != other.truth } else { one.log != other.log }
+}
+
+/// In the upper half of the law, by ratio.
+const LARGE: f64 = 0.8;
 
 #[test]
 fn the_catalogue_is_complete_and_says_what_it_is() {
-    assert!(catalogue().len() >= 3, "most tests here pass on an empty list");
+    let fitting = ROBOTS.map(|robot| fitting(robot).len());
+    assert!(fitting[0] >= 22 && fitting[1] >= 2 && fitting[2] >= 15, "most tests here pass on an empty list");
     for about in catalogue() {
         assert!(!about.what.is_empty() && !about.source.is_empty() && !about.fits.is_empty(), "{}", about.name);
         assert!(!about.parameters.is_empty(), "{}", about.name);
@@ -118,11 +143,48 @@ fn the_catalogue_is_complete_and_says_what_it_is() {
             let tail = suffix.replace('/', "_per_").replace('^', "");
             assert!(parameter.name.ends_with(&tail), "{} carries no unit {}", parameter.name, parameter.unit);
         }
-        let null = set(about, |parameter| parameter.default);
+        let null = null(about);
         assert!(null.iter().all(asami_sim::effect::Effect::is_null), "{}", about.name);
         assert_eq!(null.iter().count(), 1, "{}", about.name);
         assert_eq!(null.without(about.name), Effects::default(), "{}", about.name);
         assert!(!Effects::default().set(about.name, "no_such_parameter", 0.0), "{}", about.name);
+        assert!(!planted(about, 0.0).iter().any(asami_sim::effect::Effect::is_null), "{}", about.name);
+    }
+}
+
+/// Exactly one size, and nothing that a law draws leaves its range.
+#[test]
+fn laws_stay_in_range_from_least_to_greatest() {
+    for about in catalogue() {
+        let name = about.name;
+        let sizes: Vec<(f64, f64, Way)> = about
+            .law
+            .iter()
+            .filter_map(|(_, draw)| match *draw {
+                Draw::Size { way, least, greatest } => Some((least, greatest, way)),
+                _ => None,
+            })
+            .collect();
+        let [(least, greatest, way)] = sizes[..] else { panic!("{name} has {} sizes", sizes.len()) };
+        assert!(0.0 < least && 3.0 * least < greatest, "{name}: {least} to {greatest}");
+        for (parameter, draw) in about.law {
+            let parameter = about.parameters.iter().find(|it| it.name == *parameter);
+            let parameter = parameter.unwrap_or_else(|| panic!("{name} draws what it has not"));
+            let null = parameter.default;
+            let drawn = match draw {
+                Draw::Choice(values) => values.to_vec(),
+                _ => [(Way::Up, 1.0), (Way::Down, -1.0)]
+                    .into_iter()
+                    .filter(|(to, _)| way == Way::Either || way == *to)
+                    .flat_map(|(_, sign)| [null + sign * least, null + sign * greatest])
+                    .collect(),
+            };
+            let (low, high) = parameter.range;
+            assert!(!drawn.is_empty(), "{name}.{}", parameter.name);
+            for value in drawn {
+                assert!((low..=high).contains(&value), "{name}.{} is drawn at {value}", parameter.name);
+            }
+        }
     }
 }
 
@@ -130,21 +192,38 @@ fn the_catalogue_is_complete_and_says_what_it_is() {
 fn at_null_no_bit_changes_and_off_null_the_log_does() {
     for robot in ROBOTS {
         let nominal = walk(robot, &Effects::default(), 1);
-        let fitting = fitting(robot);
-        assert!(fitting.len() >= 2, "effects for {robot}: {}", fitting.len());
-        for about in fitting {
-            let null = walk(robot, &set(about, |parameter| parameter.default), 1);
-            assert!(null == nominal, "{} at null changes the log of {robot}", about.name);
-            let mut effects = set(about, |parameter| parameter.default);
-            for parameter in about.parameters.iter().filter(|parameter| parameter.name != BEGIN) {
-                effects.set(about.name, parameter.name, far(parameter));
-                let log = walk(robot, &effects, 1);
-                assert!(log != nominal, "{}.{} changes nothing of {robot}", about.name, parameter.name);
-                effects.set(about.name, parameter.name, parameter.default);
+        for about in fitting(robot) {
+            assert!(walk(robot, &null(about), 1) == nominal, "{} at null changes the log of {robot}", about.name);
+            let other = walk(robot, &planted(about, LARGE), 1);
+            assert!(differ(robot, &other, &nominal), "{} changes nothing of {robot}", about.name);
+            // The robot is told nothing.
+            assert_eq!(other.log.known, nominal.log.known, "{robot} knows of {}", about.name);
+        }
+    }
+}
+
+/// Every parameter but the beginning counts for something once the effect is there.
+#[test]
+fn every_parameter_counts() {
+    for robot in ["car", "plain"] {
+        for about in fitting(robot) {
+            let large = planted(about, LARGE);
+            let drawn = walk(robot, &large, 1);
+            let values: Vec<f64> = large.iter().flat_map(|effect| effect.values()).collect();
+            for (parameter, value) in about.parameters.iter().zip(values).filter(|(it, _)| it.name != BEGIN) {
+                let (least, greatest) = parameter.range;
+                let mut other = large.clone();
+                other.set(about.name, parameter.name, if value == least { greatest } else { least });
+                // With one landmark it does not matter which.
+                let differs = differ(robot, &walk(robot, &other, 1), &drawn) || parameter.name == "number";
+                assert!(differs, "{}.{} changes nothing of {robot}", about.name, parameter.name);
             }
         }
     }
 }
+
+/// The parameter that says when an effect begins; by itself it does nothing.
+const BEGIN: &str = "from_s";
 
 #[test]
 fn before_it_begins_an_effect_changes_no_bit() {
@@ -153,7 +232,9 @@ fn before_it_begins_an_effect_changes_no_bit() {
     for robot in ROBOTS {
         let nominal = walk(robot, &Effects::default(), 1);
         for about in fitting(robot).iter().filter(|about| begins(about)) {
-            let late = walk(robot, &set(about, far), 1);
+            let mut late = planted(about, LARGE);
+            late.set(about.name, BEGIN, WALK_S / 3.0);
+            let late = walk(robot, &late, 1);
             let parted_s = nominal.truth.track.iter().zip(late.truth.track.iter()).find(|(a, b)| a != b);
             let parted_s = parted_s.map(|(pose, _)| pose.t_s - WALK_S / 3.0);
             assert!(
@@ -165,27 +246,23 @@ fn before_it_begins_an_effect_changes_no_bit() {
     }
 }
 
+/// All pairs where a walk costs little; of the Aibo, each effect with the next two of the catalogue.
 #[test]
 fn any_two_effects_work_together() {
     for robot in ROBOTS {
-        let all = fitting(robot);
+        let (all, until_s) = (fitting(robot), if robot == "aibo" { 2.0 } else { WALK_S });
+        let alone: Vec<Dataset> = all.iter().map(|one| walk_until(robot, &planted(one, LARGE), 2, until_s)).collect();
         for (i, one) in all.iter().enumerate() {
-            for other in &all[i + 1..] {
-                let mut both = set(one, far);
-                for parameter in other.parameters {
-                    both.set(other.name, parameter.name, far(parameter));
-                }
-                let dataset = walk(robot, &both, 2);
-                assert_eq!(
-                    dataset.log.sightings.is_empty(),
-                    robot == "car",
-                    "{robot}: {} and {}",
-                    one.name,
-                    other.name
-                );
+            let others = if robot == "aibo" { 2 } else { all.len() };
+            for (j, other) in all.iter().enumerate().skip(i + 1).take(others) {
+                let mut both = planted(one, LARGE);
+                plant(&mut both, other, LARGE);
+                let dataset = walk_until(robot, &both, 2, until_s);
+                let pair = format!("{robot}: {} and {}", one.name, other.name);
+                assert_eq!(dataset.log.sightings.is_empty(), robot == "car", "{pair}");
                 let finite = dataset.truth.track.iter().all(|pose| (pose.x_m + pose.y_m + pose.theta_rad).is_finite());
-                assert!(finite, "{robot}: {} and {}", one.name, other.name);
-                assert!(dataset != walk(robot, &set(one, far), 2), "{robot}: {} hides {}", one.name, other.name);
+                assert!(finite, "{pair}");
+                assert!(dataset != alone[i] && dataset != alone[j], "{pair}: one hides the other");
             }
         }
     }
@@ -196,12 +273,12 @@ fn any_two_effects_work_together() {
 fn switching_an_effect_on_leaves_the_policys_draws_alone() {
     for robot in ROBOTS {
         let speeds = |effects: &Effects| -> Vec<f64> {
-            let log = walk(robot, effects, 3).log;
+            let log = walk_until(robot, effects, 3, 3.0).log;
             log.commands.iter().filter_map(|row| row.action.forward_m_per_s()).collect()
         };
         let nominal = speeds(&Effects::default());
         for about in fitting(robot) {
-            assert_eq!(speeds(&set(about, far)), nominal, "{robot}: {}", about.name);
+            assert_eq!(speeds(&planted(about, LARGE)), nominal, "{robot}: {}", about.name);
         }
     }
 }

@@ -1,5 +1,7 @@
 //! A landmark that does not stand where the robot thinks it does.
 
+use std::f64::consts::FRAC_PI_2;
+
 use asami_math::elementary::sin_cos;
 
 use crate::effect::{Effect, effect};
@@ -12,7 +14,7 @@ effect! {
     Scene, Sensor, fits ["aibo", "plain"],
     source "a beacon that was bumped into is off by a hand's breadth, one that was put back by hand by up to half a metre",
     drawn [
-        distance_m: Size { way: Either, least: 0.03, greatest: 0.8 }, towards_rad: Choice(&[0.0, 1.5707963267948966]),
+        distance_m: Size { way: Either, least: 0.03, greatest: 0.8 }, towards_rad: Choice(&[0.0, FRAC_PI_2]),
         number: Choice(&[0.0, 1.0, 2.0, 3.0]),
     ],
     {

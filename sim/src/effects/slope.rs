@@ -1,5 +1,7 @@
 //! A floor that is not level.
 
+use std::f64::consts::FRAC_PI_2;
+
 use asami_math::elementary::{sin, sin_cos};
 
 use crate::effect::{Effect, effect};
@@ -11,7 +13,7 @@ effect! {
     "The floor rises in one direction.",
     Dynamics, StaticMotion, fits ["aibo", "plain"],
     source "floors of dwellings are off by up to 1 degree, ramps and carpets over cables by 2 to 6",
-    drawn [pitch_rad: Size { way: Either, least: 0.006, greatest: 0.1 }, uphill_rad: Choice(&[0.0, 1.5707963267948966])],
+    drawn [pitch_rad: Size { way: Either, least: 0.006, greatest: 0.1 }, uphill_rad: Choice(&[0.0, FRAC_PI_2])],
     {
         /// Its angle against the level.
         pitch_rad: f64 = 0.0, "rad", -0.15..=0.15;

@@ -264,9 +264,10 @@ impl Camera {
             left[0] -= by_px;
             right[0] += by_px;
         }
-        for corner in 0..2 {
-            rims[0][corner][1] -= by_px;
-            rims[PARTS - 1][corner][1] += by_px;
+        let [top, _, foot, _] = rims;
+        for (top, foot) in top.iter_mut().zip(foot) {
+            top[1] -= by_px;
+            foot[1] += by_px;
         }
     }
 

@@ -126,11 +126,8 @@ impl Body {
             let g_m_per_s2 = f64::from(self.engine.gravity.z.abs());
             let [x, y] = slope;
             let level = (1.0 - x * x - y * y).max(0.0).sqrt();
-            self.engine.gravity = Vector::new(
-                (-g_m_per_s2 * x) as f32,
-                (-g_m_per_s2 * y) as f32,
-                (-g_m_per_s2 * level) as f32,
-            );
+            self.engine.gravity =
+                Vector::new((-g_m_per_s2 * x) as f32, (-g_m_per_s2 * y) as f32, (-g_m_per_s2 * level) as f32);
         }
     }
 

@@ -62,8 +62,7 @@ impl Eye {
         seed: Seed,
     ) -> Self {
         let neck = Neck {
-            axis_ahead_m: blueprint.neck_m[0]
-                + blueprint.neck_length_m * sin(head.neck_lean_rad),
+            axis_ahead_m: blueprint.neck_m[0] + blueprint.neck_length_m * sin(head.neck_lean_rad),
             camera_ahead_m: blueprint.head_from_camera.translation.x,
         };
         let mut head_from_camera = blueprint.head_from_camera;
@@ -97,7 +96,10 @@ impl Eye {
 
     /// Takes note of where the head is and how far it is panned; to be called once an engine step.
     pub fn follow(&mut self, world_from_head: &Isometry3<f64>, pan_rad: f64) {
-        let kept = (self.frame_steps + self.delay_steps).ceil().max(0.5 * (self.frame_steps + self.reading_steps).ceil()) as usize + 1;
+        let kept = (self.frame_steps + self.delay_steps)
+            .ceil()
+            .max(0.5 * (self.frame_steps + self.reading_steps).ceil()) as usize
+            + 1;
         self.world_from_camera.push_front(world_from_head * self.head_from_camera);
         self.world_from_camera.truncate(kept);
         self.pan_rad.push_front(pan_rad);
