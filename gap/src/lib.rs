@@ -7,11 +7,13 @@
 //! Nothing here reads files or clocks, or prints.
 
 pub mod blocks;
+pub mod calibration;
 pub mod columns;
 pub mod diagnosis;
 pub mod evidence;
 pub mod filter;
 pub mod fit;
+pub mod groups;
 pub mod judge;
 pub mod library;
 pub mod nominal;

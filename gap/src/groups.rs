@@ -1,0 +1,116 @@
+//! What a log can split: how far apart two hypotheses' predictions lie, in nats.
+//!
+//! A hypothesis's signature is the change of the whitened innovations that it brings, with the changes of
+//! their scales and of the shares of false and missed sightings, each in units in which half the squared
+//! length of a difference is the expected log-likelihood ratio (Kullback and Leibler 1951, to second order).
+
+use asami_math::elementary::{exp, ln};
+
+use crate::evidence::Weighed;
+use crate::filter::Filtered;
+use crate::judge::Judge;
+use crate::plant::Planted;
+use crate::shape::Numbers;
+
+/// Hypotheses that part by less than this cannot be told apart.
+pub const SPLIT_NATS: f64 = 3.0;
+/// A signature shorter than this is no signature.
+const FAINT_NATS: f64 = 1.5;
+
+/// The change that a hypothesis brings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Signature(Vec<f64>);
+
+impl Signature {
+    /// Of `planted` against `base`, both filtered.
+    #[must_use]
+    pub fn new(judge: &Judge<'_>, base: (&[f64], &Filtered), with: (&[f64], &Filtered)) -> Self {
+        let sqrt_2 = std::f64::consts::SQRT_2;
+        let mut signature = Vec::with_capacity(4 * base.1.innovations.len());
+        for (before, after) in base.1.innovations.iter().zip(&with.1.innovations) {
+            // What is taken to be of something else says nothing.
+            let counts = before.genuine > 0.5 && after.genuine > 0.5;
+            for k in 0..2 {
+                signature.push(if counts { after.white[k] - before.white[k] } else { 0.0 });
+                signature.push(if counts { sqrt_2 * (after.ln_scale[k] - before.ln_scale[k]) } else { 0.0 });
+            }
+        }
+        let shape = &judge.library.base.shape;
+        let share = |logit: f64| 1.0 / (1.0 + exp(-logit));
+        let n = base.1.innovations.len() as f64;
+        let at = shape.range(Numbers::False).start;
+        // The length of an arc: the angle arcsin(sqrt p) stabilises a share's variance to 1/4n.
+        let arc = |logit: f64| asami_math::elementary::asin(share(logit).sqrt());
+        signature.push(2.0 * n.sqrt() * (arc(with.0[at]) - arc(base.0[at])));
+        for (bin, visits) in shape.range(Numbers::Detection).zip(&base.1.visits) {
+            signature.push(2.0 * visits.sqrt() * (arc(with.0[bin]) - arc(base.0[bin])));
+        }
+        Self(signature.into_iter().map(|it| if it.is_finite() { it } else { 0.0 }).collect())
+    }
+
+    /// Expected log-likelihood ratio over the base, in nats.
+    #[must_use]
+    pub fn nats(&self) -> f64 {
+        0.5 * self.0.iter().fold(0.0, |sum, it| sum + it * it)
+    }
+
+    /// What is left of it, in nats, once the best multiple of another between 0 and `most` is taken away.
+    #[must_use]
+    pub fn beyond(&self, other: &Self, most: f64) -> f64 {
+        let squares = other.0.iter().fold(0.0, |sum, it| sum + it * it);
+        let product = self.0.iter().zip(&other.0).fold(0.0, |sum, (a, b)| sum + a * b);
+        let b = if squares > 0.0 { (product / squares).clamp(0.0, most) } else { 0.0 };
+        0.5 * self.0.iter().zip(&other.0).fold(0.0, |sum, (a, o)| sum + (a - b * o) * (a - b * o))
+    }
+}
+
+/// Signatures of single effects at their most likely sizes.
+#[must_use]
+pub fn signatures<'a>(judge: &Judge<'_>, weighed: impl Iterator<Item = &'a Weighed>) -> Vec<Signature> {
+    let base = &judge.library.base.numbers;
+    let filtered = judge.filtered(base);
+    let of = |weighed: &Weighed| {
+        let numbers = judge.library.numbers(std::slice::from_ref(&weighed.best));
+        Signature::new(judge, (base, &filtered), (&numbers, &judge.filtered(&numbers)))
+    };
+    weighed.map(of).collect()
+}
+
+/// Groups, of two and more, of effects that this log cannot split at the sizes found.
+#[must_use]
+pub fn groups(judge: &Judge<'_>, weighed: &[&Weighed]) -> Vec<Vec<String>> {
+    let signatures = signatures(judge, weighed.iter().copied());
+    let most = |weighed: &Weighed| weighed.best.variant.sizes().1 / weighed.best.size;
+    let mut group: Vec<usize> = (0..weighed.len()).collect();
+    for i in 0..weighed.len() {
+        for j in 0..i {
+            let seen = signatures[i].nats() > FAINT_NATS && signatures[j].nats() > FAINT_NATS;
+            let apart = signatures[i]
+                .beyond(&signatures[j], most(weighed[j]))
+                .min(signatures[j].beyond(&signatures[i], most(weighed[i])));
+            if seen && apart < SPLIT_NATS {
+                let (from, to) = (group[i], group[j]);
+                group.iter_mut().filter(|it| **it == from).for_each(|it| *it = to);
+            }
+        }
+    }
+    let members = |g: usize| -> Vec<String> {
+        (0..weighed.len()).filter(|i| group[*i] == g).map(|i| weighed[i].effect.to_owned()).collect()
+    };
+    (0..weighed.len()).map(members).filter(|members| members.len() > 1).collect()
+}
+
+/// Distance from the null value at which a kind of effect would be expected to gain `nats`; it grows as the size's
+/// square, from a first look at the middle of its law.
+#[must_use]
+pub fn visible(judge: &Judge<'_>, filtered: &Filtered, planted: &Planted, nats: f64) -> f64 {
+    let base = &judge.library.base.numbers;
+    let gain = |size: f64| {
+        let numbers = judge.library.numbers(&[Planted { size, ..planted.clone() }]);
+        Signature::new(judge, (base, filtered), (&numbers, &judge.filtered(&numbers))).nats()
+    };
+    let (least, greatest) = planted.variant.sizes();
+    let scaled = |size: f64| size * (nats / gain(size).max(1e-6)).sqrt();
+    let first = scaled(exp(0.5 * (ln(least) + ln(greatest)))).clamp(least, greatest);
+    scaled(first)
+}
