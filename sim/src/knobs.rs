@@ -150,18 +150,51 @@ pub struct SceneKnobs {
 pub struct VehicleKnobs {
     /// Factor on mass and moments of inertia.
     pub mass_ratio: f64,
+    /// Lies in the luggage space.
+    pub luggage_kg: f64,
     /// Factor on the engine's torque.
     pub engine_ratio: f64,
+    /// Dead time of the throttle's motor on top of its own.
+    pub throttle_delay_s: f64,
+    /// Share of the throttle's travel that does nothing.
+    pub throttle_play: f64,
     /// Factor on the brakes' torque.
     pub brake_ratio: f64,
+    /// How much weaker brakes are for the heat in them: their torque is divided by 1 and this times the heat.
+    pub brake_fade_per_mj: f64,
     /// Factor on the front wheels' angle.
     pub steering_ratio: f64,
     /// Angle of the front wheels, to the left, while the steering wheel is straight.
     pub steering_offset_rad: f64,
+    /// Time constant of the steering's motor on top of its own.
+    pub steering_lag_s: f64,
+    /// Factors on the stiffness of the tyres' tread, along and across the wheels.
+    pub tread_ratio: [f64; 2],
+    /// Rolling resistance, as a share of the load, on top of the tyres' own.
+    pub rolling_resistance: f64,
+    /// Resistance for each m/s on top of the air's.
+    pub drag_n_s_per_m: f64,
+    /// Resistance for each (m/s)^2 on top of the air's.
+    pub drag_n_s2_per_m2: f64,
 }
 
 impl Default for VehicleKnobs {
     fn default() -> Self {
-        Self { mass_ratio: 1.0, engine_ratio: 1.0, brake_ratio: 1.0, steering_ratio: 1.0, steering_offset_rad: 0.0 }
+        Self {
+            mass_ratio: 1.0,
+            luggage_kg: 0.0,
+            engine_ratio: 1.0,
+            throttle_delay_s: 0.0,
+            throttle_play: 0.0,
+            brake_ratio: 1.0,
+            brake_fade_per_mj: 0.0,
+            steering_ratio: 1.0,
+            steering_offset_rad: 0.0,
+            steering_lag_s: 0.0,
+            tread_ratio: [1.0; 2],
+            rolling_resistance: 0.0,
+            drag_n_s_per_m: 0.0,
+            drag_n_s2_per_m2: 0.0,
+        }
     }
 }

@@ -1,24 +1,25 @@
 //! One suite over the whole catalogue of effects: at null an effect changes no bit of a log, off null
-//! it does, and any two of them work together.
+//! it does, and any two of them work together. Those of the car have their own suite, `effects_car`.
+
+mod catalogue;
 
 use asami_dataset::{Action, Dataset, Rng, Seed, TruePose};
 use asami_sim::drives::suite::Suite;
 use asami_sim::effect::{About, Draw, Way};
-use asami_sim::effects::{Effects, catalogue};
+use asami_sim::effects::{self, Effects};
 use asami_sim::robots::aibo::{AiboConfig, AiboWorld, Start};
-use asami_sim::robots::car::{CarConfig, CarWorld};
 use asami_sim::robots::plain::{PlainConfig, PlainWorld};
 use asami_sim::scenes::field::{Colour, Cylinder, Field, Landmark};
-use asami_sim::scenes::solid::Ground;
 use asami_sim::sensors::camera::CameraConfig;
 use asami_sim::world::{Drive, Seen, World, run};
+use catalogue::{BEGIN, LARGE, fitting, null, plant, planted};
 use rand::RngExt;
 
 /// Long enough for several strides, a change of command and a dozen dozen frames.
 const WALK_S: f64 = 6.0;
 
 /// The robots that have a world: each must bear every effect that fits it.
-const ROBOTS: [&str; 3] = ["aibo", "car", "plain"];
+const ROBOTS: [&str; 2] = ["aibo", "plain"];
 
 fn walk(robot: &str, effects: &Effects, seed: u64) -> Dataset {
     walk_until(robot, effects, seed, WALK_S)
@@ -34,11 +35,6 @@ fn world(robot: &str, effects: &Effects, seed: Seed) -> Box<dyn World> {
     let bands = [Colour::Pink, Colour::Yellow];
     let body = Cylinder { x_m: 0.0, y_m: 0.0, radius_m: 0.05, base_m: 0.1, height_m: 0.2, bands };
     let field = Field { beacons: vec![Landmark { id: 0, body }], clutter: Vec::new() };
-    if robot == "car" {
-        let (config, ground) = (CarConfig::default(), Ground::level(300.0));
-        let start = asami_sim::robots::car::Start::default();
-        return Box::new(CarWorld::new(&config, &ground, None, effects, start, seed).expect("the shipped car"));
-    }
     if robot == "plain" {
         let (config, suite) = (PlainConfig::default(), Suite::default());
         let start = TruePose { t_s: 0.0, x_m: 0.0, y_m: -2.0, theta_rad: 0.0, v_m_per_s: None };
@@ -70,77 +66,25 @@ impl Drive for Wander {
 impl Wander {
     fn draw(&mut self) -> Action {
         let [a, b, c] = [(); 3].map(|()| 2.0 * self.rng.random::<f64>() - 1.0);
-        if self.robot == "car" {
-            // Firm enough on brake and steering for tyres to slide.
-            return Action::Pedals { throttle: a.abs(), brake: if b > 0.2 { b } else { 0.0 }, steering: c };
-        }
         // The plain robot's whole range, and a stroll of the Aibo's.
         let [right, forward, turn] = if self.robot == "plain" { [0.35, 0.4, 3.0] } else { [0.06, 0.2, 0.4] };
         Action::Legs { id: None, ax_m_per_s: right * a, ay_m_per_s: forward * b, atheta_rad_per_s: turn * c }
     }
 }
 
-/// One effect with every parameter at its null value.
-fn null(about: &About) -> Effects {
-    let mut effects = Effects::default();
-    for parameter in about.parameters {
-        assert!(effects.set(about.name, parameter.name, parameter.default), "{}.{}", about.name, parameter.name);
-    }
-    effects
-}
-
-fn fitting(robot: &str) -> Vec<&'static About> {
-    catalogue().into_iter().filter(|about| about.fits.contains(&robot)).collect()
-}
-
-/// Adds an effect as its law plants it, with its size `part` of the way from least to greatest by ratio.
-fn plant(effects: &mut Effects, about: &About, part: f64) {
-    let mut distance = 0.0;
-    for (_, draw) in about.law {
-        if let Draw::Size { way, least, greatest } = draw {
-            distance = least * (greatest / least).powf(part) * if *way == Way::Down { -1.0 } else { 1.0 };
-        }
-    }
-    for (name, draw) in about.law {
-        let default = about.parameters.iter().find(|it| it.name == *name).map(|it| it.default).unwrap_or(f64::NAN);
-        let value = match draw {
-            Draw::Size { .. } | Draw::Same => default + distance,
-            Draw::Choice(values) => values[0],
-        };
-        assert!(effects.set(about.name, name, value), "{}.{name}", about.name);
-    }
-}
-
-fn planted(about: &About, part: f64) -> Effects {
-    let mut effects = Effects::default();
-    plant(&mut effects, about, part);
-    effects
-}
-
-/// Whether two logs do: of a car without its scanner, which sees nothing, whether two tracks do.
-fn differ(robot: &str, one: &Dataset, other: &Dataset) -> bool {
-    if robot == "car" { one.truth != other.truth } else { one.log != other.log }
-}
-
-/// In the upper half of the law, by ratio.
-const LARGE: f64 = 0.8;
-
 #[test]
 fn the_catalogue_is_complete_and_says_what_it_is() {
     let fitting = ROBOTS.map(|robot| fitting(robot).len());
-    assert!(fitting[0] >= 22 && fitting[1] >= 2 && fitting[2] >= 15, "most tests here pass on an empty list");
-    for about in catalogue() {
+    assert!(fitting[0] >= 22 && fitting[1] >= 15, "most tests here pass on an empty list");
+    for about in effects::catalogue() {
         assert!(!about.what.is_empty() && !about.source.is_empty() && !about.fits.is_empty(), "{}", about.name);
         assert!(!about.parameters.is_empty(), "{}", about.name);
         for parameter in about.parameters {
             let (least, greatest) = parameter.range;
             assert!(least < greatest && (least..=greatest).contains(&parameter.default), "{}", parameter.name);
             assert!(!parameter.about.is_empty() && !parameter.unit.is_empty(), "{}", parameter.name);
-            let suffix = match parameter.unit {
-                "1" => "",
-                unit => unit,
-            };
-            let tail = suffix.replace('/', "_per_").replace('^', "");
+            let unit = parameter.unit.strip_prefix('1').unwrap_or(parameter.unit);
+            let tail = unit.replace('/', "_per_").replace('.', "_").replace('^', "").to_lowercase();
             assert!(parameter.name.ends_with(&tail), "{} carries no unit {}", parameter.name, parameter.unit);
         }
         let null = null(about);
@@ -155,7 +99,7 @@ fn the_catalogue_is_complete_and_says_what_it_is() {
 /// Exactly one size, and nothing that a law draws leaves its range.
 #[test]
 fn laws_stay_in_range_from_least_to_greatest() {
-    for about in catalogue() {
+    for about in effects::catalogue() {
         let name = about.name;
         let sizes: Vec<(f64, f64, Way)> = about
             .law
@@ -195,7 +139,7 @@ fn at_null_no_bit_changes_and_off_null_the_log_does() {
         for about in fitting(robot) {
             assert!(walk(robot, &null(about), 1) == nominal, "{} at null changes the log of {robot}", about.name);
             let other = walk(robot, &planted(about, LARGE), 1);
-            assert!(differ(robot, &other, &nominal), "{} changes nothing of {robot}", about.name);
+            assert!(other.log != nominal.log, "{} changes nothing of {robot}", about.name);
             // The robot is told nothing.
             assert_eq!(other.log.known, nominal.log.known, "{robot} knows of {}", about.name);
         }
@@ -205,30 +149,28 @@ fn at_null_no_bit_changes_and_off_null_the_log_does() {
 /// Every parameter but the beginning counts for something once the effect is there.
 #[test]
 fn every_parameter_counts() {
-    for robot in ["car", "plain"] {
-        for about in fitting(robot) {
-            let large = planted(about, LARGE);
-            let drawn = walk(robot, &large, 1);
-            let values: Vec<f64> = large.iter().flat_map(|effect| effect.values()).collect();
-            for (parameter, value) in about.parameters.iter().zip(values).filter(|(it, _)| it.name != BEGIN) {
-                let (least, greatest) = parameter.range;
-                let mut other = large.clone();
-                other.set(about.name, parameter.name, if value == least { greatest } else { least });
-                // With one landmark it does not matter which.
-                let differs = differ(robot, &walk(robot, &other, 1), &drawn) || parameter.name == "number";
-                assert!(differs, "{}.{} changes nothing of {robot}", about.name, parameter.name);
-            }
+    for about in fitting("plain") {
+        let large = planted(about, LARGE);
+        let drawn = walk("plain", &large, 1);
+        let values: Vec<f64> = large.iter().flat_map(|effect| effect.values()).collect();
+        for (parameter, value) in about.parameters.iter().zip(values).filter(|(it, _)| it.name != BEGIN) {
+            let (least, greatest) = parameter.range;
+            let mut other = large.clone();
+            other.set(about.name, parameter.name, if value == least { greatest } else { least });
+            // With one landmark it does not matter which.
+            let differs = walk("plain", &other, 1).log != drawn.log || parameter.name == "number";
+            assert!(differs, "{}.{} changes nothing", about.name, parameter.name);
         }
     }
 }
 
-/// The parameter that says when an effect begins; by itself it does nothing.
-const BEGIN: &str = "from_s";
-
 #[test]
 fn before_it_begins_an_effect_changes_no_bit() {
     let begins = |about: &&About| about.parameters.iter().any(|parameter| parameter.name == BEGIN);
-    assert!(catalogue().into_iter().any(|about| begins(&about)), "the test would pass without effects that begin");
+    assert!(
+        effects::catalogue().into_iter().any(|about| begins(&about)),
+        "the test would pass without effects that begin"
+    );
     for robot in ROBOTS {
         let nominal = walk(robot, &Effects::default(), 1);
         for about in fitting(robot).iter().filter(|about| begins(about)) {
@@ -259,7 +201,7 @@ fn any_two_effects_work_together() {
                 plant(&mut both, other, LARGE);
                 let dataset = walk_until(robot, &both, 2, until_s);
                 let pair = format!("{robot}: {} and {}", one.name, other.name);
-                assert_eq!(dataset.log.sightings.is_empty(), robot == "car", "{pair}");
+                assert!(!dataset.log.sightings.is_empty(), "{pair}");
                 let finite = dataset.truth.track.iter().all(|pose| (pose.x_m + pose.y_m + pose.theta_rad).is_finite());
                 assert!(finite, "{pair}");
                 assert!(dataset != alone[i] && dataset != alone[j], "{pair}: one hides the other");

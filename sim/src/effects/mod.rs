@@ -1,9 +1,12 @@
 //! The catalogue of effects: one file and one row each.
 
 pub mod battery_sag;
+pub mod brake_fade;
 pub mod camera_pitch;
+pub mod car_payload;
 pub mod command_delay;
 pub mod command_scale;
+pub mod drag;
 pub mod false_sightings;
 pub mod focal_error;
 pub mod ground_friction;
@@ -16,10 +19,18 @@ pub mod missed_sightings;
 pub mod motor_weakness;
 pub mod pan_offset;
 pub mod payload;
+pub mod road_grade;
+pub mod rolling_resistance;
 pub mod servo_latency;
 pub mod servo_speed_limit;
 pub mod short_leg;
 pub mod slope;
+pub mod steering_lag;
+pub mod steering_offset;
+pub mod steering_ratio;
+pub mod throttle_deadband;
+pub mod throttle_delay;
+pub mod tyre_slip;
 pub mod vision_noise;
 pub mod weak_leg;
 
@@ -108,4 +119,15 @@ effects! {
     missed_sightings => MissedSightings,
     false_sightings => FalseSightings,
     landmark_moved => LandmarkMoved,
+    throttle_delay => ThrottleDelay,
+    throttle_deadband => ThrottleDeadband,
+    brake_fade => BrakeFade,
+    steering_offset => SteeringOffset,
+    steering_ratio => SteeringRatio,
+    steering_lag => SteeringLag,
+    tyre_slip => TyreSlip,
+    drag => Drag,
+    road_grade => RoadGrade,
+    rolling_resistance => RollingResistance,
+    car_payload => CarPayload,
 }

@@ -11,6 +11,9 @@ pub const URDF: &str = include_str!("../../../../urdf/vehicross.urdf");
 /// The wheels in their order everywhere.
 pub const WHEELS: [&str; 4] = ["front_left", "front_right", "rear_left", "rear_right"];
 
+/// The middle of the luggage space in the body's axes: behind the rear axle, at the height of a boot's floor.
+pub const LUGGAGE_M: Vector3<f64> = Vector3::new(-1.4, 0.0, 0.45);
+
 /// One wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelPlan {

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vec
 use rapier3d::prelude::*;
 
 use super::BuildError;
-use super::blueprint::{Blueprint, WHEELS};
+use super::blueprint::{Blueprint, LUGGAGE_M, WHEELS};
 use super::config::CarConfig;
 use super::wheel::{Inputs, Motion, Push, Wheel};
 use crate::scenes::solid::Ground;
@@ -20,6 +20,31 @@ pub struct Controls {
     pub brake_n_m: [f64; 4],
     /// Coulomb friction between tyres and road.
     pub friction: f64,
+    /// Factors on the stiffness of the tyres' tread, along and across the wheels.
+    pub tread_ratio: [f64; 2],
+    /// Rolling resistance, as a share of the load, on top of the tyres' own.
+    pub rolling_resistance: f64,
+    /// Resistance on top of the air's for each m/s.
+    pub drag_n_s_per_m: f64,
+    /// Resistance on top of the air's for each (m/s)^2.
+    pub drag_n_s2_per_m2: f64,
+}
+
+/// What is put on and under the car from outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    /// Factor on mass and moments of inertia.
+    pub mass_ratio: f64,
+    /// In the luggage space.
+    pub luggage_kg: f64,
+    /// Sine of the slope of all ground, times the unit vector uphill in world x and y.
+    pub slope: [f64; 2],
+}
+
+impl Default for Setting {
+    fn default() -> Self {
+        Self { mass_ratio: 1.0, luggage_kg: 0.0, slope: [0.0; 2] }
+    }
 }
 
 /// The car in its own engine.
@@ -32,7 +57,9 @@ pub struct Body {
     anti_roll_n_per_m: f64,
     air_drag_n_s2_per_m2: f64,
     time_step_s: f64,
-    mass_ratio: f64,
+    gravity_m_per_s2: f64,
+    setting: Setting,
+    centre_of_mass_m: Vector3<f64>,
 }
 
 impl Body {
@@ -75,7 +102,7 @@ impl Body {
         let pose = Isometry3::from_parts(Translation3::new(at.x, at.y, height_m + radius_m), facing);
         let body = RigidBodyBuilder::dynamic()
             .pose(to_engine(&pose))
-            .additional_mass_properties(mass_properties(&blueprint, 1.0))
+            .additional_mass_properties(Load::of(&blueprint, &Setting::default()).properties())
             .can_sleep(false);
         let chassis = engine.bodies.insert(body);
         for shell in &blueprint.shells {
@@ -97,12 +124,14 @@ impl Body {
             engine,
             chassis,
             ground: shape,
+            centre_of_mass_m: blueprint.centre_of_mass_m,
             blueprint,
             wheels,
             anti_roll_n_per_m: config.suspension.anti_roll_n_per_m,
             air_drag_n_s2_per_m2: config.engine.air_drag_n_s2_per_m2,
             time_step_s: config.physics.time_step_s,
-            mass_ratio: 1.0,
+            gravity_m_per_s2: config.physics.gravity_m_per_s2,
+            setting: Setting::default(),
         })
     }
 
@@ -118,13 +147,16 @@ impl Body {
                 drive_n_m: controls.drive_n_m[i],
                 brake_n_m: controls.brake_n_m[i],
                 friction: controls.friction,
+                tread_ratio: controls.tread_ratio,
+                rolling_resistance: controls.rolling_resistance,
             };
             let ground = &self.ground;
             let down = |from_m, along, most_m| feel(ground, from_m, along, most_m);
             self.wheels[i].step(&motion, &inputs, &down, self.time_step_s, &mut push);
         }
         let velocity = motion.velocity_m_per_s;
-        push.force_n -= velocity * (self.air_drag_n_s2_per_m2 * velocity.norm());
+        let square = self.air_drag_n_s2_per_m2 + controls.drag_n_s2_per_m2;
+        push.force_n -= velocity * (square * velocity.norm() + controls.drag_n_s_per_m);
 
         if let Some(body) = self.engine.bodies.get_mut(self.chassis) {
             body.reset_forces(true);
@@ -143,15 +175,23 @@ impl Body {
         asami_math::elementary::atan(tan / (1.0 - aside * tan))
     }
 
-    /// Scales mass and moments of inertia; writes to the engine only what changed.
-    pub fn set_mass_ratio(&mut self, ratio: f64) {
-        if ratio != self.mass_ratio {
-            self.mass_ratio = ratio;
-            let properties = mass_properties(&self.blueprint, ratio);
+    /// Loads the car and tilts the ground; writes to the engine only what changed.
+    pub fn set(&mut self, setting: Setting) {
+        let loads = |it: &Setting| (it.mass_ratio, it.luggage_kg);
+        if loads(&setting) != loads(&self.setting) {
+            let load = Load::of(&self.blueprint, &setting);
+            self.centre_of_mass_m = load.centre_m;
             if let Some(body) = self.engine.bodies.get_mut(self.chassis) {
-                body.set_additional_mass_properties(properties, true);
+                body.set_additional_mass_properties(load.properties(), true);
             }
         }
+        if setting.slope != self.setting.slope {
+            // On a plane that rises towards x, what is down leans back towards -x.
+            let [x, y] = setting.slope;
+            let down = Vector3::new(-x, -y, -(1.0 - x * x - y * y).max(0.0).sqrt()) * self.gravity_m_per_s2;
+            self.engine.gravity = to_vector(&down);
+        }
+        self.setting = setting;
     }
 
     /// The wheels, front left, front right, rear left, rear right.
@@ -169,7 +209,7 @@ impl Body {
             origin_m: pose.translation.vector,
             rotation: pose.rotation,
             // In double precision from the pose: moments are differences of places.
-            centre_of_mass_m: pose.translation.vector + pose.rotation * self.blueprint.centre_of_mass_m,
+            centre_of_mass_m: pose.translation.vector + pose.rotation * self.centre_of_mass_m,
             velocity_m_per_s: from_vector(body.linvel()),
             turning_rad_per_s: from_vector(body.angvel()),
         }
@@ -191,14 +231,36 @@ pub(super) fn yawed(angle_rad: f64) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(Quaternion::new(cos, 0.0, 0.0, sin))
 }
 
-fn mass_properties(blueprint: &Blueprint, ratio: f64) -> MassProperties {
-    let inertia: Matrix3<f64> = blueprint.inertia_kg_m2 * ratio;
-    let column = |i: usize| Vector::new(inertia[(0, i)] as f32, inertia[(1, i)] as f32, inertia[(2, i)] as f32);
-    MassProperties::with_inertia_matrix(
-        to_vector(&blueprint.centre_of_mass_m),
-        (blueprint.mass_kg * ratio) as f32,
-        Matrix::from_cols(column(0), column(1), column(2)),
-    )
+/// Mass with what was put into the car.
+struct Load {
+    mass_kg: f64,
+    centre_m: Vector3<f64>,
+    inertia_kg_m2: Matrix3<f64>,
+}
+
+impl Load {
+    fn of(blueprint: &Blueprint, setting: &Setting) -> Self {
+        let (own_kg, more_kg) = (blueprint.mass_kg * setting.mass_ratio, setting.luggage_kg);
+        let arm = LUGGAGE_M - blueprint.centre_of_mass_m;
+        let share = more_kg / (own_kg + more_kg);
+        // Two bodies about their common centre (Steiner), the luggage a point.
+        let apart = Matrix3::identity() * arm.dot(&arm) - arm * arm.transpose();
+        Self {
+            mass_kg: own_kg + more_kg,
+            centre_m: blueprint.centre_of_mass_m + arm * share,
+            inertia_kg_m2: blueprint.inertia_kg_m2 * setting.mass_ratio + apart * (own_kg * share),
+        }
+    }
+
+    fn properties(&self) -> MassProperties {
+        let inertia = &self.inertia_kg_m2;
+        let column = |i: usize| Vector::new(inertia[(0, i)] as f32, inertia[(1, i)] as f32, inertia[(2, i)] as f32);
+        MassProperties::with_inertia_matrix(
+            to_vector(&self.centre_m),
+            self.mass_kg as f32,
+            Matrix::from_cols(column(0), column(1), column(2)),
+        )
+    }
 }
 
 /// See [`Feeler`](super::wheel::Feeler).

@@ -8,6 +8,7 @@
 pub mod actuators;
 pub mod blueprint;
 pub mod body;
+pub mod brakes;
 pub mod config;
 pub mod drivetrain;
 pub mod wheel;

@@ -70,6 +70,10 @@ pub struct Inputs {
     pub brake_n_m: f64,
     /// Coulomb friction between tyre and road.
     pub friction: f64,
+    /// Factors on the stiffness of the tread, along and across the wheel.
+    pub tread_ratio: [f64; 2],
+    /// Rolling resistance, as a share of the load, on top of the tyre's own.
+    pub rolling_resistance: f64,
 }
 
 /// A wheel's state.
@@ -209,7 +213,8 @@ impl Wheel {
         let rolled_m_per_s = self.spin_rad_per_s * rolling_m;
         let slips_m_per_s = [velocity.dot(&along) - rolled_m_per_s, velocity.dot(&across)];
         let tyre = &self.tyre;
-        let springs = [tyre.along_stiffness_n_per_m, tyre.across_stiffness_n_per_m];
+        let [along_ratio, across_ratio] = inputs.tread_ratio;
+        let springs = [along_ratio * tyre.along_stiffness_n_per_m, across_ratio * tyre.across_stiffness_n_per_m];
         let relaxations_m = [tyre.along_relaxation_m, tyre.across_relaxation_m];
         let mut forces_n = [0.0; 2];
         for axis in 0..2 {
@@ -235,7 +240,8 @@ impl Wheel {
     fn spin(&mut self, inputs: &Inputs, along_n: f64, rolling_m: f64, dt_s: f64) {
         let per_n_m = dt_s / self.plan.inertia_kg_m2;
         let free = self.spin_rad_per_s + per_n_m * (inputs.drive_n_m - rolling_m * along_n);
-        let held = per_n_m * (inputs.brake_n_m + self.tyre.rolling_resistance * self.load_n * rolling_m);
+        let resistance = self.tyre.rolling_resistance + inputs.rolling_resistance;
+        let held = per_n_m * (inputs.brake_n_m + resistance * self.load_n * rolling_m);
         self.spin_rad_per_s = free - free.clamp(-held, held);
     }
 }

@@ -7,14 +7,15 @@ use asami_math::elementary::atan2;
 use nalgebra::Vector3;
 
 use super::BuildError;
-use super::actuators::Actuator;
+use super::actuators::{Actuator, Late};
 use super::blueprint::Blueprint;
-use super::body::{Body, Controls, yawed};
+use super::body::{Body, Controls, Setting, yawed};
+use super::brakes::Brakes;
 use super::config::CarConfig;
 use super::drivetrain::Drivetrain;
 use crate::effect::{CommandStage, Stage};
 use crate::effects::Effects;
-use crate::knobs::{GroundKnobs, Knobs};
+use crate::knobs::{GroundKnobs, Knobs, VehicleKnobs};
 use crate::scenes::solid::Ground;
 use crate::scenes::town::Waypoint;
 use crate::sensors::velodyne::SensorPose;
@@ -51,6 +52,7 @@ pub struct CarWorld {
     throttle: Actuator,
     brake: Actuator,
     steering: Actuator,
+    brakes: Brakes,
     drivetrain: Drivetrain,
     body: Body,
     steering_rad: f64,
@@ -83,6 +85,7 @@ impl CarWorld {
             throttle: actuator(config.engine.throttle_delay_s, config.engine.throttle_lag_s, f64::INFINITY),
             brake: actuator(config.brake.delay_s, config.brake.lag_s, f64::INFINITY),
             steering: actuator(config.steering.delay_s, config.steering.lag_s, fast),
+            brakes: Brakes::default(),
             drivetrain: Drivetrain::new(config.engine.clone()),
             body: Body::new(config, blueprint, ground, [start.x_m, start.y_m], facing)?,
             nominal: Knobs {
@@ -105,6 +108,7 @@ impl CarWorld {
             }
         }
         let knobs = world.knobs(0.0);
+        world.set(&knobs);
         for _ in 0..(config.physics.settle_s / dt_s).round() as u64 {
             world.step(HOLDING, &knobs);
         }
@@ -152,24 +156,38 @@ impl CarWorld {
             return;
         };
         let vehicle = &knobs.vehicle;
-        let throttle = self.throttle.step(throttle.clamp(0.0, 1.0));
-        let brake = self.brake.step(brake.clamp(0.0, 1.0)) * vehicle.brake_ratio;
-        let steering = self.steering.step(steering.clamp(-1.0, 1.0)) * vehicle.steering_ratio;
+        let late = Late { delay_s: vehicle.throttle_delay_s, lag_s: 0.0 };
+        let pressed = self.throttle.step(throttle.clamp(0.0, 1.0), late);
+        let throttle = ((pressed - vehicle.throttle_play) / (1.0 - vehicle.throttle_play)).max(0.0);
+        let faded = vehicle.brake_ratio * self.brakes.left(vehicle.brake_fade_per_mj);
+        let brake = self.brake.step(brake.clamp(0.0, 1.0), Late::default()) * faded;
+        let late = Late { delay_s: 0.0, lag_s: vehicle.steering_lag_s };
+        let steering = self.steering.step(steering.clamp(-1.0, 1.0), late) * vehicle.steering_ratio;
 
         let (engine, brakes) = (&self.config.engine, &self.config.brake);
-        let wheels = self.body.wheels();
-        let spin = |i: usize| wheels[i].spin_rad_per_s();
-        let (front, rear) = (0.5 * (spin(0) + spin(1)), 0.5 * (spin(2) + spin(3)));
+        let spins = self.body.wheels().each_ref().map(|wheel| wheel.spin_rad_per_s());
+        let (front, rear) = (0.5 * (spins[0] + spins[1]), 0.5 * (spins[2] + spins[3]));
         let mean = engine.front_share * front + (1.0 - engine.front_share) * rear;
         let dt_s = self.config.physics.time_step_s;
         let drive_n_m = self.drivetrain.step(throttle, mean, self.radius_m, vehicle.engine_ratio, dt_s);
         let split = |total: f64, front: f64| [front, front, 1.0 - front, 1.0 - front].map(|share| 0.5 * share * total);
+        let brake_n_m = split(brake * brakes.full_torque_n_m, brakes.front_share);
+        self.brakes.work(&brake_n_m, &spins, dt_s);
         self.body.step(&Controls {
             steer_rad: steering * self.steering_rad + vehicle.steering_offset_rad,
             drive_n_m: split(drive_n_m, engine.front_share),
-            brake_n_m: split(brake * brakes.full_torque_n_m, brakes.front_share),
+            brake_n_m,
             friction: knobs.ground.friction,
+            tread_ratio: vehicle.tread_ratio,
+            rolling_resistance: vehicle.rolling_resistance,
+            drag_n_s_per_m: vehicle.drag_n_s_per_m,
+            drag_n_s2_per_m2: vehicle.drag_n_s2_per_m2,
         });
+    }
+
+    fn set(&mut self, knobs: &Knobs) {
+        let VehicleKnobs { mass_ratio, luggage_kg, .. } = knobs.vehicle;
+        self.body.set(Setting { mass_ratio, luggage_kg, slope: knobs.ground.slope });
     }
 }
 
@@ -201,13 +219,14 @@ impl World for CarWorld {
     fn tick(&mut self, action: Action, record: &mut Record) {
         let t_s = self.now_s();
         let knobs = self.knobs(t_s);
-        self.body.set_mass_ratio(knobs.vehicle.mass_ratio);
+        self.set(&knobs);
         if self.steps == 0 {
             record.sensor_poses.push(self.sensor_pose());
             record.track.push(self.pose());
         }
-        let action = self.command_stages.iter_mut().fold(action, |action, stage| stage(t_s, action));
         for _ in 0..self.config.physics.steps_per_tick {
+            let t_s = self.now_s();
+            let action = self.command_stages.iter_mut().fold(action, |action, stage| stage(t_s, action));
             self.step(action, &knobs);
             self.steps += 1;
             record.sensor_poses.push(self.sensor_pose());
