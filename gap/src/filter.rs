@@ -53,6 +53,12 @@ pub struct Filtered {
     pub visits: Vec<f64>,
 }
 
+/// Which landmarks' being seen or missed counts, by step and landmark.
+pub type Counted = Vec<bool>;
+
+/// Where nobody counts what is missed.
+pub const UNCOUNTED: &[bool] = &[];
+
 impl Filtered {
     /// Sum over the steps from `first` on.
     #[must_use]
@@ -86,7 +92,29 @@ pub fn filter(
     of: std::ops::Range<usize>,
     belief: &mut Belief,
 ) -> Filtered {
-    filter_by(shape, [numbers, numbers], |_| false, view, of, belief)
+    filter_by(shape, [numbers, numbers], |_| false, view, of, belief, UNCOUNTED)
+}
+
+/// Which landmarks' being seen or missed says something: those that lie two standard deviations of the pose away
+/// from any edge of what is seen. At an edge, misses follow from one another, and would be counted many times.
+#[must_use]
+pub fn counted(shape: &Shape, numbers: &[f64], view: &View, begin: usize, belief: &mut Belief) -> Counted {
+    let landmarks = view.landmarks.len();
+    let mut counted = vec![false; view.steps.len() * landmarks];
+    let mut ready = Ready::new(shape, numbers);
+    let mut unread = Vec::new();
+    for i in begin..view.steps.len() {
+        if view.steps[i].dt_s > 0.0 {
+            ready.predict(view, i, belief);
+        }
+        for landmark in 0..landmarks {
+            counted[i * landmarks + landmark] = view.misses && ready.is_clear(view, i, landmark, belief);
+        }
+        for seen in view.steps[i].seen.clone() {
+            ready.update(view, i, seen, belief, &mut unread);
+        }
+    }
+    counted
 }
 
 /// The same with a second response in the steps for which `second` says so.
@@ -98,6 +126,7 @@ pub fn filter_by(
     view: &View,
     of: std::ops::Range<usize>,
     belief: &mut Belief,
+    counted: &[bool],
 ) -> Filtered {
     let mut both = numbers.map(|numbers| Ready::new(shape, numbers));
     let mut filtered = Filtered { visits: vec![0.0; shape.width(Numbers::Detection)], ..Filtered::default() };
@@ -107,8 +136,9 @@ pub fn filter_by(
             ready.predict(view, i, belief);
         }
         let (mut log_likelihood, mut expected) = (0.0, 0.0);
-        if view.misses {
-            ready.detection(view, i, belief, &mut filtered.visits, &mut log_likelihood, &mut expected);
+        let n = view.landmarks.len();
+        if let Some(counted) = counted.get(i * n..(i + 1) * n) {
+            ready.detection(view, i, belief, counted, &mut filtered, &mut log_likelihood, &mut expected);
         }
         for seen in view.steps[i].seen.clone() {
             log_likelihood += ready.update(view, i, seen, belief, &mut filtered.innovations);
@@ -198,19 +228,38 @@ impl<'a> Ready<'a> {
         view: &View,
         i: usize,
         belief: &Belief,
-        visits: &mut [f64],
+        counted: &[bool],
+        filtered: &mut Filtered,
         log_likelihood: &mut f64,
         expected: &mut f64,
     ) {
         let seen = &view.seen[view.steps[i].seen.clone()];
-        for landmark in 0..view.landmarks.len() {
+        for landmark in (0..view.landmarks.len()).filter(|landmark| counted[*landmark]) {
             let sight = self.sight(view, i, landmark, &belief.mean);
             let Some(bin) = self.shape.bin(sight.distance_m, sight.off_rad) else { continue };
             let [missed, found] = self.detection[bin];
             *log_likelihood += if seen.iter().any(|it| it.landmark == landmark) { found } else { missed };
             *expected -= exp(missed) * missed + exp(found) * found;
-            visits[bin] += 1.0;
+            filtered.visits[bin] += 1.0;
         }
+    }
+
+    /// Whether a landmark is as likely to be seen two standard deviations of the pose to either side.
+    fn is_clear(&self, view: &View, i: usize, landmark: usize, belief: &Belief) -> bool {
+        let sight = self.sight(view, i, landmark, &belief.mean);
+        let d = sight.distance_m.max(0.05);
+        let [x_m, y_m] = view.landmarks[landmark];
+        let (ux, uy) = ((x_m - belief.mean.x) / d, (y_m - belief.mean.y) / d);
+        let sd = |h: Vector3<f64>| (h.transpose() * belief.covariance * h).x.max(0.0).sqrt();
+        let (far, off) = (2.0 * sd(Vector3::new(ux, uy, 0.0)), 2.0 * sd(Vector3::new(uy / d, -ux / d, -1.0)));
+        let share = |far_m: f64, off_rad: f64| {
+            let bin = self.shape.bin(sight.distance_m + far_m, sight.off_rad + off_rad);
+            bin.map(|bin| exp(self.detection[bin][1]))
+        };
+        let Some(here) = share(0.0, 0.0) else { return false };
+        [(far, 0.0), (-far, 0.0), (0.0, off), (0.0, -off)]
+            .into_iter()
+            .all(|(far_m, off_rad)| share(far_m, off_rad).is_some_and(|there| (there - here).abs() < 0.15))
     }
 
     /// Takes one sighting in, and gives its log-likelihood.

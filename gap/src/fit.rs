@@ -40,7 +40,7 @@ pub fn shape(runs: &[Dataset]) -> Option<Shape> {
             for seen in &run.view.seen[step.seen.clone()] {
                 let sight = run.sight(i, seen.landmark);
                 distances_m.push(sight.distance_m);
-                offs_rad.push(wrap_rad(seen.bearing_rad - step.pan_rad).abs());
+                offs_rad.push(sight.off_rad.abs());
                 sizes.push(seen.size);
             }
         }

@@ -5,7 +5,7 @@ use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::filter::{Belief, Filtered, filter, filter_by};
+use crate::filter::{Belief, Counted, Filtered, counted, filter, filter_by};
 use crate::library::Library;
 use crate::plant::Planted;
 use crate::shape::{Numbers, Shape, Sight};
@@ -29,6 +29,8 @@ pub struct Judge<'a> {
     begin: usize,
     /// Steps after `begin` before anything is scored.
     settling: usize,
+    /// Whose being seen or missed counts; the same under every response, so that they can be compared.
+    counted: Counted,
 }
 
 impl<'a> Judge<'a> {
@@ -42,7 +44,8 @@ impl<'a> Judge<'a> {
         let scored_s = view.steps[begin].t_s + SETTLING_S;
         let settling = view.steps[begin..].iter().take_while(|step| step.t_s < scored_s).count();
         let start = start(&library.base.shape, &library.base.numbers, &view, begin);
-        Ok(Self { library, view, start, begin, settling })
+        let counted = counted(&library.base.shape, &library.base.numbers, &view, begin, &mut start.clone());
+        Ok(Self { library, view, start, begin, settling, counted })
     }
 
     /// The log filtered under a response; steps count from [`Judge::scored`] on.
@@ -57,7 +60,7 @@ impl<'a> Judge<'a> {
         let mut belief = self.start;
         let shape = &self.library.base.shape;
         let of = self.begin..self.view.steps.len();
-        let mut all = filter_by(shape, numbers, second, &self.view, of, &mut belief);
+        let mut all = filter_by(shape, numbers, second, &self.view, of, &mut belief, &self.counted);
         let scored = self.scored();
         let settling = self.settling.min(all.log_likelihoods.len());
         all.log_likelihoods.drain(..settling);

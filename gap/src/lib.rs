@@ -9,18 +9,24 @@
 pub mod blocks;
 pub mod calibration;
 pub mod columns;
+pub mod diagnose;
 pub mod diagnosis;
 pub mod evidence;
 pub mod filter;
+pub mod findings;
 pub mod fit;
 pub mod groups;
+pub mod how_far;
 pub mod judge;
 pub mod library;
 pub mod nominal;
+pub mod place;
 pub mod plant;
 pub mod shape;
 pub mod view;
 
+pub use calibration::Calibration;
+pub use diagnose::Diagnoser;
 pub use diagnosis::Diagnosis;
 pub use judge::Judge;
 pub use library::{Budget, Library};

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::fit::{Free, fit, shape};
 use crate::nominal::{CannotPlay, Nominal};
 use crate::plant::{Planted, Variant};
-use crate::shape::Shape;
+use crate::shape::{Numbers, ORDER, Shape};
 
 /// How much is played for a library.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -127,12 +127,18 @@ impl Entry {
         Ok(Self { kind: variant.name(), sizes, changes, smooth: variant.block() != Block::Timing })
     }
 
-    /// Adds the change at a size to `numbers`.
-    pub fn add(&self, size: f64, numbers: &mut [f64]) {
-        let weights = if self.smooth { self.parabola(size) } else { self.straight(size) };
-        for (weight, change) in weights.into_iter().zip(&self.changes).filter(|(weight, _)| *weight != 0.0) {
-            for (number, change) in numbers.iter_mut().zip(change) {
-                *number += weight * change;
+    /// Adds the change at a size to `numbers`. Logarithms of noise and log-odds run in straight lines always.
+    pub fn add(&self, shape: &Shape, size: f64, numbers: &mut [f64]) {
+        let straight = self.straight(size);
+        let smooth = if self.smooth { self.parabola(size) } else { straight.clone() };
+        for group in ORDER {
+            let means = matches!(group, Numbers::Motion | Numbers::Size | Numbers::Bearing);
+            let weights = if means { &smooth } else { &straight };
+            for (weight, change) in weights.iter().zip(&self.changes).filter(|(weight, _)| **weight != 0.0) {
+                let of = shape.range(group);
+                for (number, change) in numbers[of.clone()].iter_mut().zip(&change[of]) {
+                    *number += weight * change;
+                }
             }
         }
     }
@@ -192,7 +198,7 @@ impl Library {
         let mut numbers = self.base.numbers.clone();
         for Planted { variant, size } in planted {
             if let Some(entry) = self.entry(variant) {
-                entry.add(*size, &mut numbers);
+                entry.add(&self.base.shape, *size, &mut numbers);
             }
         }
         numbers

@@ -14,7 +14,10 @@ pub const BANDS: usize = 3;
 /// Bins of distance in which the share of landmarks seen is counted.
 const FAR_BINS: usize = 4;
 /// Bins of the angle off the image's centre, the same.
-const OFF_BINS: usize = 5;
+const OFF_BINS: usize = 8;
+
+/// The bins reach so much further than where nearly all are seen, so that what lies just outside is counted too.
+const OFF_REACH: f64 = 1.3;
 
 /// The layout of a response's numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,7 +30,7 @@ pub struct Shape {
     pub ranges: bool,
     /// Between these distances landmarks are seen, in metres.
     pub near_far_m: [f64; 2],
-    /// Up to this angle from the image's centre they are seen.
+    /// Nearly all are seen within this angle of the image's centre.
     pub off_rad: f64,
     /// From least to greatest size.
     pub size_span: f64,
@@ -195,7 +198,7 @@ impl Shape {
     pub fn bin(&self, distance_m: f64, off_rad: f64) -> Option<usize> {
         let [near_m, far_m] = self.near_far_m;
         let far = (distance_m - near_m) / (far_m - near_m).max(1e-9) * FAR_BINS as f64;
-        let off = off_rad.abs() / self.off_rad.max(1e-9) * OFF_BINS as f64;
+        let off = off_rad.abs() / (OFF_REACH * self.off_rad.max(1e-9)) * OFF_BINS as f64;
         let within = (0.0..FAR_BINS as f64).contains(&far) && off < OFF_BINS as f64;
         within.then(|| far as usize * OFF_BINS + off as usize)
     }

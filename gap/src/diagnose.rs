@@ -1,0 +1,203 @@
+//! From a log to its diagnosis.
+
+use std::collections::BTreeMap;
+
+use asami_dataset::Log;
+use asami_sim::effect::Place;
+
+use crate::blocks;
+use crate::calibration::{Calibration, NONE, UNKNOWN};
+use crate::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
+use crate::evidence::Weighed;
+use crate::findings::{Findings, absorbed_nats};
+use crate::groups::{groups, signatures, visible};
+use crate::how_far::how_far;
+use crate::judge::Judge;
+use crate::library::Library;
+use crate::place::places;
+use crate::plant::{Planted, Variant};
+use crate::view::CannotSee;
+
+/// *None* is the verdict unless it is less probable than this.
+const NOT_NONE: f64 = 0.1;
+/// A named model is not adequate where fewer planted truths than this were exceeded as far by a flexible block.
+const INADEQUATE: f64 = 0.01;
+/// Evidence at which an effect would have shown.
+const VISIBLE_NATS: f64 = 12.0;
+/// Causes less probable than this are left out.
+const NEGLIGIBLE: f64 = 1e-4;
+
+/// All that a diagnosis of logs of one nominal world needs.
+#[derive(Clone, Copy, Debug)]
+pub struct Diagnoser<'a> {
+    /// The response library.
+    pub library: &'a Library,
+    /// How evidence becomes probability; without one, as it is.
+    pub calibration: &'a Calibration,
+    /// Kinds of effects that are thought of.
+    pub variants: &'a [Variant],
+}
+
+impl Diagnoser<'_> {
+    /// Where, which and how far.
+    ///
+    /// # Errors
+    /// [`CannotSee`] says what the log lacks.
+    pub fn diagnose(&self, log: &Log) -> Result<Diagnosis, CannotSee> {
+        let judge = Judge::new(log, self.library)?;
+        let findings = Findings::new(&judge, self.variants);
+        let evidence = findings.evidence();
+        let probabilities = self.calibration.probabilities(&evidence);
+        let set90 = self.calibration.set90(&evidence, &probabilities);
+        let near = findings.weighed.first().map_or(0.0, |it| it.evidence_nats) - 30.0;
+        let leaders: Vec<&Weighed> = findings.weighed.iter().filter(|it| it.evidence_nats > near.max(0.0)).collect();
+        let cannot_tell_apart = groups(&judge, &leaders);
+
+        let mut ranked: Vec<(&String, f64)> = probabilities.iter().map(|(cause, p)| (cause, *p)).collect();
+        ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let named = |cause: &&(&String, f64)| *cause.0 != UNKNOWN && *cause.0 != NONE;
+        let best = ranked.iter().find(named).map(|(cause, _)| (*cause).clone());
+        let planted: Vec<Planted> =
+            best.iter().flat_map(|best| findings.planted(best)).map(|(planted, _)| planted).collect();
+        let adequacy_p = self.adequacy(&judge, &planted, &probabilities);
+        let verdict = verdict(&probabilities, &set90, &cannot_tell_apart, adequacy_p);
+        let better = match verdict {
+            Verdict::None => None,
+            Verdict::Unknown => findings.block().map(|block| block.numbers.clone()),
+            Verdict::Named | Verdict::Tied => Some(self.library.numbers(&planted)),
+        };
+        let base = &self.library.base.numbers;
+        let added: &[Planted] = if matches!(verdict, Verdict::Named | Verdict::Tied) { &planted } else { &[] };
+        Ok(Diagnosis {
+            schema: SCHEMA,
+            verdict,
+            places: better.map_or_else(Vec::new, |better| places(&judge, base, &better)),
+            which: self.causes(&findings, &ranked, best.as_deref(), adequacy_p),
+            next_experiment: (verdict == Verdict::Tied).then(|| next_experiment(&judge, &findings, &set90)).flatten(),
+            set90: set90.iter().map(|cause| split(cause)).collect(),
+            cannot_tell_apart,
+            smallest_visible: self.smallest_visible(&judge),
+            calibrated_on: None,
+            how_far: if verdict == Verdict::None { HowFar::default() } else { how_far(&judge, added) },
+        })
+    }
+
+    /// How often a planted truth is exceeded by a flexible block as far as the best named model is here.
+    fn adequacy(&self, judge: &Judge<'_>, planted: &[Planted], probabilities: &BTreeMap<String, f64>) -> Option<f64> {
+        let none = probabilities.get(NONE).copied().unwrap_or(0.0);
+        if planted.is_empty() || none >= NOT_NONE {
+            return None;
+        }
+        self.calibration.adequacy_p(absorbed_nats(judge, planted))
+    }
+
+    fn causes(
+        &self,
+        findings: &Findings,
+        ranked: &[(&String, f64)],
+        best: Option<&str>,
+        adequacy_p: Option<f64>,
+    ) -> Vec<Cause> {
+        let evidence = findings.evidence();
+        let worth = |cause: &str, p: f64| p > NEGLIGIBLE || cause == NONE || cause == UNKNOWN;
+        let cause = |cause: &str, probability: f64| {
+            let planted = findings.planted(cause);
+            let block = findings.block().filter(|_| cause == UNKNOWN);
+            Cause {
+                effects: split(cause),
+                probability,
+                evidence_nats: evidence.get(cause).copied().unwrap_or(0.0),
+                adequacy_p: adequacy_p.filter(|_| best == Some(cause)),
+                place: planted.first().map(|(planted, _)| place(planted.variant.place()).to_owned()),
+                block: block.map(|block| block.block.to_owned()),
+                behaves_like: best.filter(|_| cause == UNKNOWN && !findings.weighed.is_empty()).map(str::to_owned),
+                parameters: planted.iter().flat_map(|(planted, interval)| estimates(planted, *interval)).collect(),
+            }
+        };
+        ranked.iter().filter(|(name, p)| worth(name, *p)).map(|(name, p)| cause(name, *p)).collect()
+    }
+
+    /// By `NAME.PARAM`, over the kinds of each effect the easiest to see.
+    fn smallest_visible(&self, judge: &Judge<'_>) -> BTreeMap<String, f64> {
+        let filtered = judge.filtered(&self.library.base.numbers);
+        let mut smallest: BTreeMap<String, f64> = BTreeMap::new();
+        for variant in self.variants.iter().filter(|variant| self.library.entry(variant).is_some()) {
+            let key = format!("{}.{}", variant.about.name, variant.sized().0);
+            let planted = Planted { variant: variant.clone(), size: variant.sizes().1 };
+            let size = visible(judge, &filtered, &planted, VISIBLE_NATS);
+            smallest.entry(key).and_modify(|known| *known = known.min(size)).or_insert(size);
+        }
+        smallest
+    }
+}
+
+fn split(cause: &str) -> Vec<String> {
+    cause.split('+').map(str::to_owned).collect()
+}
+
+fn place(place: Place) -> &'static str {
+    match place {
+        Place::Actuation => "actuation",
+        Place::Dynamics => "dynamics",
+        Place::Sensing => "sensing",
+        Place::Scene => "scene",
+    }
+}
+
+/// Values of a planted effect's parameters.
+fn estimates(planted: &Planted, interval: [f64; 2]) -> Vec<(String, Estimate)> {
+    let at = |size: f64| planted.variant.values(size);
+    let (middle, ends) = (at(planted.size), interval.map(at));
+    let values = middle.iter().enumerate().map(|(i, (name, value))| {
+        let (a, b) = (ends[0][i].1, ends[1][i].1);
+        let estimate = Estimate { value: *value, interval: [a.min(b), a.max(b)] };
+        (format!("{}.{name}", planted.variant.about.name), estimate)
+    });
+    values.collect()
+}
+
+fn verdict(
+    probabilities: &BTreeMap<String, f64>,
+    set90: &[String],
+    groups: &[Vec<String>],
+    adequacy_p: Option<f64>,
+) -> Verdict {
+    let of = |cause: &str| probabilities.get(cause).copied().unwrap_or(0.0);
+    if of(NONE) >= NOT_NONE {
+        return Verdict::None;
+    }
+    let leads = probabilities.values().all(|p| *p <= of(UNKNOWN));
+    if leads || adequacy_p.is_some_and(|p| p < INADEQUATE) {
+        return Verdict::Unknown;
+    }
+    let one_group = groups.iter().any(|group| set90.iter().all(|cause| group.contains(cause)));
+    if set90.len() <= 1 || one_group { Verdict::Named } else { Verdict::Tied }
+}
+
+/// How long a log of this kind must be to split the two most probable causes of the set.
+fn next_experiment(judge: &Judge<'_>, findings: &Findings, set90: &[String]) -> Option<String> {
+    let single = |cause: &&String| findings.weighed.iter().find(|it| it.effect == cause.as_str());
+    let tied: Vec<&Weighed> = set90.iter().filter_map(|cause| single(&cause)).take(2).collect();
+    let [a, b] = tied.as_slice() else { return None };
+    let signatures = signatures(judge, [*a, *b].into_iter());
+    let most = |weighed: &Weighed| weighed.best.variant.sizes().1 / weighed.best.size;
+    let apart = signatures[0].beyond(&signatures[1], most(b)).min(signatures[1].beyond(&signatures[0], most(a)));
+    let steps = &judge.view.steps;
+    let length_s = steps.last()?.t_s - steps.first()?.t_s;
+    let (a, b) = (a.effect, b.effect);
+    // A set of one needs odds of about 20 to 1 on average: 6 nats leave room for chance.
+    let needed_s = length_s * 6.0 / apart.max(1e-6);
+    Some(if needed_s < 20.0 * length_s {
+        format!(
+            "{a} and {b} part by {apart:.1} nats in this log: about {needed_s:.0} s of such commands would split them"
+        )
+    } else {
+        format!("{a} and {b} part by {apart:.2} nats in this log: commands of this kind will not split them")
+    })
+}
+
+/// Which flexible block an effect's name belongs to, for scorers.
+#[must_use]
+pub fn block_of(variant: &Variant) -> &'static str {
+    blocks::name(variant.block())
+}

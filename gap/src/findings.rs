@@ -1,0 +1,133 @@
+//! All that a log says of every cause: single effects, two at once, and the unknown.
+
+use asami_math::elementary::{exp, ln};
+
+use crate::blocks::{self, Fitted};
+use crate::calibration::{Evidence, UNKNOWN};
+use crate::evidence::{Weighed, weigh};
+use crate::judge::Judge;
+use crate::plant::{Planted, Variant};
+
+/// Evidence from which on an effect may have another beside it, in nats.
+const WORTH_A_SECOND: f64 = 3.0;
+/// Effects so close to the leader are each tried with every other beside it.
+const NEAR_NATS: f64 = 10.0;
+/// At most so many are.
+const LEADERS: usize = 3;
+
+/// Two effects at once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pair {
+    /// Their names, joined by `+`.
+    pub cause: String,
+    /// Logarithm of their evidence over that of *none*.
+    pub evidence_nats: f64,
+    /// At their most likely sizes.
+    pub best: [Planted; 2],
+    /// 90 % intervals of their sizes.
+    pub intervals: [[f64; 2]; 2],
+}
+
+/// What a log says of every cause.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Findings {
+    /// Single effects, the most evident first.
+    pub weighed: Vec<Weighed>,
+    /// Two at once, the most evident first.
+    pub pairs: Vec<Pair>,
+    /// Flexible blocks, in the order of [`blocks::BLOCKS`].
+    pub blocks: Vec<Fitted>,
+}
+
+impl Findings {
+    /// Weighs every cause.
+    #[must_use]
+    pub fn new(judge: &Judge<'_>, variants: &[Variant]) -> Self {
+        let mut weighed = weigh(judge, variants, &[]);
+        weighed.sort_by(|a, b| b.evidence_nats.total_cmp(&a.evidence_nats));
+        let blocks = blocks::fit(judge, &judge.library.base.numbers, &|_| true);
+        let pairs = pairs(judge, variants, &weighed);
+        Self { weighed, pairs, blocks }
+    }
+
+    /// Evidence by cause.
+    #[must_use]
+    pub fn evidence(&self) -> Evidence {
+        let singles = self.weighed.iter().map(|it| (it.effect.to_owned(), it.evidence_nats));
+        let pairs = self.pairs.iter().map(|it| (it.cause.clone(), it.evidence_nats));
+        singles.chain(pairs).chain([(UNKNOWN.to_owned(), self.unknown_nats())]).collect()
+    }
+
+    /// The same, had an effect not been in the list.
+    #[must_use]
+    pub fn evidence_without(&self, effects: &[&str]) -> Evidence {
+        let mut evidence = self.evidence();
+        evidence.retain(|cause, _| !cause.split('+').any(|effect| effects.contains(&effect)));
+        evidence
+    }
+
+    /// Logarithm of the mean evidence of the blocks.
+    fn unknown_nats(&self) -> f64 {
+        let top = self.blocks.iter().map(|it| it.evidence_nats).fold(f64::NEG_INFINITY, f64::max);
+        let sum = self.blocks.iter().fold(0.0, |sum, it| sum + exp(it.evidence_nats - top));
+        top + ln(sum / self.blocks.len().max(1) as f64)
+    }
+
+    /// The most evident block.
+    #[must_use]
+    pub fn block(&self) -> Option<&Fitted> {
+        self.blocks.iter().reduce(|a, b| if b.evidence_nats > a.evidence_nats { b } else { a })
+    }
+
+    /// The effects of a cause at their most likely sizes, with 90 % intervals; none of *unknown* and *none*.
+    #[must_use]
+    pub fn planted(&self, cause: &str) -> Vec<(Planted, [f64; 2])> {
+        if let Some(weighed) = self.weighed.iter().find(|it| it.effect == cause) {
+            return vec![(weighed.best.clone(), weighed.interval)];
+        }
+        let pair = self.pairs.iter().find(|it| it.cause == cause);
+        pair.map_or_else(Vec::new, |pair| pair.best.iter().cloned().zip(pair.intervals).collect())
+    }
+}
+
+/// By how much the most evident block on top of these effects is more probable than they alone, in nats.
+#[must_use]
+pub fn absorbed_nats(judge: &Judge<'_>, planted: &[Planted]) -> f64 {
+    let fitted = blocks::fit(judge, &judge.library.numbers(planted), &|_| true);
+    fitted.iter().map(|it| it.evidence_nats).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Every effect beside each of the leaders, and the leader's size found again.
+fn pairs(judge: &Judge<'_>, variants: &[Variant], weighed: &[Weighed]) -> Vec<Pair> {
+    let Some(top) = weighed.first().map(|it| it.evidence_nats).filter(|nats| *nats > WORTH_A_SECOND) else {
+        return Vec::new();
+    };
+    let leaders = weighed.iter().take(LEADERS).filter(|it| it.evidence_nats > top - NEAR_NATS);
+    let mut pairs: Vec<Pair> = Vec::new();
+    for leader in leaders {
+        let others: Vec<Variant> = variants.iter().filter(|it| it.about.name != leader.effect).cloned().collect();
+        for second in weigh(judge, &others, std::slice::from_ref(&leader.best)) {
+            if second.evidence_nats < WORTH_A_SECOND {
+                continue;
+            }
+            let kinds = [leader.best.variant.clone()];
+            let again = weigh(judge, &kinds, std::slice::from_ref(&second.best));
+            let Some(first) = again.into_iter().next() else { continue };
+            // Of the two orders in which the evidence can be added up, this one has both at their best.
+            let evidence_nats = second.evidence_nats + leader.evidence_nats;
+            let [mut a, mut b] = [(first.best, first.interval), (second.best, second.interval)];
+            if a.0.variant.about.name > b.0.variant.about.name {
+                std::mem::swap(&mut a, &mut b);
+            }
+            let cause = format!("{}+{}", a.0.variant.about.name, b.0.variant.about.name);
+            let pair = Pair { cause, evidence_nats, best: [a.0, b.0], intervals: [a.1, b.1] };
+            match pairs.iter_mut().find(|it| it.cause == pair.cause) {
+                Some(known) if known.evidence_nats >= pair.evidence_nats => {}
+                Some(known) => *known = pair,
+                None => pairs.push(pair),
+            }
+        }
+    }
+    pairs.sort_by(|a, b| b.evidence_nats.total_cmp(&a.evidence_nats));
+    pairs
+}

@@ -1,0 +1,152 @@
+//! How far the gap shrinks once an effect is added, on blocks that no fit has seen.
+
+use std::collections::BTreeMap;
+
+use asami_dataset::Seed;
+use asami_math::elementary::{exp, ln};
+use asami_math::optimise::golden_section;
+use rand::RngExt;
+
+use crate::blocks;
+use crate::diagnosis::{HowFar, Rms};
+use crate::filter::Filtered;
+use crate::judge::Judge;
+use crate::plant::Planted;
+
+/// Blocks are held out in turn.
+const BLOCK_S: f64 = 10.0;
+/// At either end of a held-out block so much counts for neither side.
+const GUARD_S: f64 = 1.0;
+/// Resamples of the bootstrap.
+const RESAMPLES: usize = 1000;
+
+/// Gains of one held-out block, in nats.
+#[derive(Clone, Copy, Debug, Default)]
+struct Block {
+    before: f64,
+    after: f64,
+    seen: f64,
+}
+
+/// The gap in the nominal world and with `planted` in it.
+#[must_use]
+pub fn how_far(judge: &Judge<'_>, planted: &[Planted]) -> HowFar {
+    let base = &judge.library.base.numbers;
+    let mut held: Vec<Block> = Vec::new();
+    for fold in 0..2 {
+        let of = |held: bool| move |i: usize| place(judge, i).is_some_and(|(block, _)| (block % 2 == fold) == held);
+        let train = of(false);
+        let refitted = refit(judge, planted, &train);
+        let named = judge.library.numbers(&refitted);
+        let flexible = blocks::fit(judge, &named, &train);
+        let better = flexible.into_iter().filter(|it| it.evidence_nats > 0.0);
+        let best = better.reduce(|a, b| if b.evidence_nats > a.evidence_nats { b } else { a });
+        let reference = best.map_or_else(|| named.clone(), |it| it.numbers);
+        let [before, after, reference] = [base, &named, &reference].map(|numbers| judge.filtered(numbers));
+        gather(judge, fold, [&before, &after, &reference], &mut held);
+    }
+    held.retain(|block| block.seen > 0.0);
+    summary(judge, planted, &held)
+}
+
+/// Which block a scored step is in, and whether it counts.
+fn place(judge: &Judge<'_>, i: usize) -> Option<(usize, bool)> {
+    let first_s = judge.view.steps.get(judge.scored())?.t_s;
+    let since_s = judge.view.steps.get(judge.scored() + i)?.t_s - first_s;
+    let within_s = since_s % BLOCK_S;
+    Some(((since_s / BLOCK_S) as usize, (GUARD_S..BLOCK_S - GUARD_S).contains(&within_s)))
+}
+
+/// The sizes that fit the training blocks best.
+fn refit(judge: &Judge<'_>, planted: &[Planted], of: &dyn Fn(usize) -> bool) -> Vec<Planted> {
+    let mut found = planted.to_vec();
+    for i in 0..found.len() {
+        let (least, greatest) = found[i].variant.sizes();
+        let around = ln(found[i].size);
+        let likely = |ln_size: f64| {
+            let mut there = found.clone();
+            there[i].size = exp(ln_size);
+            let terms = judge.filtered(&judge.library.numbers(&there)).log_likelihoods;
+            -terms.iter().enumerate().filter(|(i, _)| of(*i)).fold(0.0, |sum, (_, it)| sum + it)
+        };
+        let ends = [around - 0.7, around + 0.7].map(|it| it.clamp(ln(least), ln(greatest)));
+        found[i].size = exp(golden_section(likely, ends[0], ends[1], 0.01).x);
+    }
+    found
+}
+
+/// Adds a fold's held-out blocks: by how much the reference is more likely than each.
+fn gather(judge: &Judge<'_>, fold: usize, [before, after, reference]: [&Filtered; 3], held: &mut Vec<Block>) {
+    let steps = judge.view.steps[judge.scored()..].iter().enumerate();
+    for (i, step) in steps {
+        let Some((block, counts)) = place(judge, i) else { continue };
+        if block % 2 != fold || !counts {
+            continue;
+        }
+        if held.len() <= block {
+            held.resize(block + 1, Block::default());
+        }
+        let here = reference.log_likelihoods[i];
+        held[block].before += here - before.log_likelihoods[i];
+        held[block].after += here - after.log_likelihoods[i];
+        held[block].seen += step.seen.len() as f64;
+    }
+}
+
+fn summary(judge: &Judge<'_>, planted: &[Planted], held: &[Block]) -> HowFar {
+    let mean = |of: &[Block], what: fn(&Block) -> f64| {
+        let seen: f64 = of.iter().map(|it| it.seen).sum();
+        of.iter().map(what).sum::<f64>() / seen.max(1.0)
+    };
+    let before = |it: &Block| it.before;
+    let after = |it: &Block| it.after;
+    let mut rng = Seed(0).stream("gap/how_far");
+    let mut resampled: Vec<(f64, f64)> = (0..if held.is_empty() { 0 } else { RESAMPLES })
+        .map(|_| {
+            let sample: Vec<Block> = held.iter().map(|_| held[rng.random_range(0..held.len())]).collect();
+            (mean(&sample, before), 1.0 - mean(&sample, after) / mean(&sample, before))
+        })
+        .collect();
+    resampled.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let last = resampled.len() as f64 - 1.0;
+    let at = |share: f64| (last * share).max(0.0) as usize;
+    let shows = resampled.get(at(0.025)).is_some_and(|(excess, _)| *excess > 0.0);
+    resampled.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let interval = [0.025, 0.975].map(|share| resampled.get(at(share)).map_or(0.0, |it| it.1));
+    let base = judge.filtered(&judge.library.base.numbers);
+    let with = judge.filtered(&judge.library.numbers(planted));
+    let comment = if shows && !planted.is_empty() {
+        "nats per sighting on held-out blocks of 10 s, against the named effect with the best flexible block on top"
+    } else {
+        "closed is null: nothing was added, or the excess before cannot be told from 0"
+    };
+    let closed = shows && !planted.is_empty();
+    HowFar {
+        comment: comment.to_owned(),
+        excess_before: mean(held, before),
+        excess_after: mean(held, after),
+        misfit_before: misfit(&base),
+        misfit_after: misfit(&with),
+        closed: closed.then(|| 1.0 - mean(held, after) / mean(held, before)),
+        interval: closed.then_some(interval),
+        channels: channels(judge, &base, &with),
+    }
+}
+
+/// Mean of `-log p(o_t | past) - h_t` over what was seen.
+#[must_use]
+pub fn misfit(filtered: &Filtered) -> f64 {
+    let off = filtered.log_likelihoods.iter().zip(&filtered.expected).map(|(it, expected)| -it - expected);
+    off.fold(0.0, |sum, it| sum + it) / filtered.innovations.len().max(1) as f64
+}
+
+fn channels(judge: &Judge<'_>, base: &Filtered, with: &Filtered) -> BTreeMap<String, Rms> {
+    let size = if judge.library.base.shape.ranges { "range_m" } else { "height_px" };
+    let rms = |filtered: &Filtered, which: usize| {
+        let genuine = filtered.innovations.iter().filter(|it| it.genuine > 0.5);
+        let (sum, n) = genuine.fold((0.0, 0.0), |(sum, n), it| (sum + it.plain[which] * it.plain[which], n + 1.0));
+        (sum / f64::max(n, 1.0)).sqrt()
+    };
+    let of = |which: usize| Rms { rms_before: rms(base, which), rms_after: rms(with, which) };
+    BTreeMap::from([(size.to_owned(), of(0)), ("bearing_rad".to_owned(), of(1))])
+}
