@@ -9,7 +9,7 @@ effect! {
     "The supply falls with time, and with it all motors' torque and greatest speed.",
     Actuation, Drift, fits ["aibo", "plain"],
     source "a two-cell pack falls from 8.2 V to 6.7 V before its protection cuts out, 18 %, and further under load",
-    drawn [lost_per_s: Size { way: Up, least: 0.0005, greatest: 0.005 }],
+    drawn [lost_per_s: Size { way: Up, least: 0.0003, greatest: 0.004 }],
     {
         /// Share of the supply that is lost each second.
         lost_per_s: f64 = 0.0, "/s", 0.0..=0.01;

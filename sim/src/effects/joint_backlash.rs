@@ -10,7 +10,7 @@ effect! {
     "Leg joints follow their motors through play.",
     Actuation, StaticMotion, fits ["aibo"],
     source "gears of hobby servos have 1 to 2 degrees of play",
-    drawn [play_rad: Size { way: Up, least: 0.0025, greatest: 0.08 }],
+    drawn [play_rad: Size { way: Up, least: 0.005, greatest: 0.08 }],
     {
         /// From flank to flank.
         play_rad: f64 = 0.0, "rad", 0.0..=0.12;

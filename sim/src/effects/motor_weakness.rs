@@ -9,7 +9,7 @@ effect! {
     "All leg motors give a fraction of their nominal torque; the plain robot's fast commands fall behind.",
     Actuation, StaticMotion, fits ["aibo", "plain"],
     source "a supply of 6.7 to 8.2 V at 7.4 V nominal is -9 % to +11 %; joints droop by 2 degrees under load",
-    drawn [ratio: Size { way: Down, least: 0.035, greatest: 0.65 }],
+    drawn [ratio: Size { way: Down, least: 0.04, greatest: 0.5 }],
     {
         /// Factor on the nominal torque.
         ratio: f64 = 1.0, "1", 0.25..=1.5;

@@ -9,7 +9,7 @@ effect! {
     "Servos reach only a fraction of their nominal speed; of the plain robot, attempted velocities only a fraction of the greatest.",
     Actuation, StaticMotion, fits ["aibo", "plain"],
     source "hobby servos at 6.7 V instead of 7.4 V turn 9 % more slowly; worn or cold gears cost up to a third",
-    drawn [ratio: Size { way: Down, least: 0.02, greatest: 0.4 }],
+    drawn [ratio: Size { way: Down, least: 0.02, greatest: 0.35 }],
     {
         /// Factor on the nominal greatest speed.
         ratio: f64 = 1.0, "1", 0.3..=1.0;

@@ -13,7 +13,7 @@ effect! {
     "The floor rises in one direction.",
     Dynamics, StaticMotion, fits ["aibo", "plain"],
     source "floors of dwellings are off by up to 1 degree, ramps and carpets over cables by 2 to 6",
-    drawn [pitch_rad: Size { way: Either, least: 0.006, greatest: 0.1 }, uphill_rad: Choice(&[0.0, FRAC_PI_2])],
+    drawn [pitch_rad: Size { way: Either, least: 0.005, greatest: 0.1 }, uphill_rad: Choice(&[0.0, FRAC_PI_2])],
     {
         /// Its angle against the level.
         pitch_rad: f64 = 0.0, "rad", -0.15..=0.15;

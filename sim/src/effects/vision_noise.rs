@@ -10,7 +10,7 @@ effect! {
     "Dim light: the image is noisier, or what is measured in it where there is no image.",
     Sensing, Noise, fits ["aibo", "plain"],
     source "a fourth of the light takes four times the gain, and twice to four times the noise",
-    drawn [ratio: Size { way: Up, least: 0.025, greatest: 1.5 }],
+    drawn [ratio: Size { way: Up, least: 0.025, greatest: 0.5 }],
     {
         /// Factor on the standard deviation.
         ratio: f64 = 1.0, "1", 0.2..=4.0;

@@ -9,7 +9,7 @@ effect! {
     "The motors of one leg give a fraction of their nominal torque.",
     Actuation, StaticMotion, fits ["aibo"],
     source "a stripped gear or a servo that shuts down hot gives half its torque or less",
-    drawn [ratio: Size { way: Down, least: 0.045, greatest: 0.75 }, leg: Choice(&[0.0, 1.0, 2.0, 3.0])],
+    drawn [ratio: Size { way: Down, least: 0.05, greatest: 0.6 }, leg: Choice(&[0.0, 1.0, 2.0, 3.0])],
     {
         /// Factor on the nominal torque.
         ratio: f64 = 1.0, "1", 0.2..=1.5;

@@ -17,7 +17,8 @@ use crate::scenes::field::{Field, Landmark};
 use crate::survey::Surveying;
 use crate::world::{Record, World};
 
-/// Share of its speed at which the robot would slide down a vertical slope, if the law of small slopes held.
+/// Share of its speed, for each unit of the slope's sine, at which the robot slides downhill. The walking Aibo, tried in
+/// Rapier on slopes of 1.4 and 5.7 degrees, has 0.8 along its stride and 3 across.
 const SLIDE: f64 = 2.0;
 
 /// The plain robot in its world.
