@@ -9,6 +9,7 @@
 pub mod blocks;
 pub mod calibration;
 pub mod columns;
+pub mod contest;
 pub mod diagnose;
 pub mod diagnosis;
 pub mod evidence;
@@ -22,10 +23,12 @@ pub mod library;
 pub mod nominal;
 pub mod place;
 pub mod plant;
+pub mod rivals;
 pub mod shape;
 pub mod view;
 
 pub use calibration::Calibration;
+pub use contest::{CannotDiagnose, Diagnoses, Judges, Likelihood};
 pub use diagnose::Diagnoser;
 pub use diagnosis::Diagnosis;
 pub use judge::Judge;

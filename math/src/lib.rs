@@ -5,6 +5,7 @@
 
 pub mod angle;
 pub mod bordered;
+pub mod cma_es;
 pub mod correlation;
 pub mod decomposition;
 pub mod elementary;

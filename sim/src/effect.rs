@@ -81,6 +81,19 @@ pub enum Place {
     Scene,
 }
 
+impl Place {
+    /// Its name in diagnoses.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Place::Actuation => "actuation",
+            Place::Dynamics => "dynamics",
+            Place::Sensing => "sensing",
+            Place::Scene => "scene",
+        }
+    }
+}
+
 /// Which of the diagnosis's flexible blocks an effect would show in, were it unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Block {
@@ -94,6 +107,20 @@ pub enum Block {
     Sensor,
     /// Sizes and tails of noise.
     Noise,
+}
+
+impl Block {
+    /// Its name in diagnoses.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Block::StaticMotion => "static_motion",
+            Block::Timing => "timing",
+            Block::Drift => "drift",
+            Block::Sensor => "sensor",
+            Block::Noise => "noise",
+        }
+    }
 }
 
 /// An effect's row in the catalogue.

@@ -2,11 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::{CannotSweep, Record};
-use crate::study::Study;
-use crate::trial::{Case, Ending};
+use super::CannotSweep;
 
 /// The folder of finished cases.
 pub struct Store {
@@ -16,9 +15,9 @@ pub struct Store {
 
 /// What a folder held before the sweep began.
 #[derive(Debug)]
-pub struct Found<S: Study> {
+pub struct Found<R> {
     /// For each case, what was done of it.
-    pub records: Vec<Option<Record<S>>>,
+    pub records: Vec<Option<R>>,
     /// In numbers.
     pub count: Count,
 }
@@ -36,10 +35,9 @@ pub struct Count {
 
 /// The file of a case.
 #[derive(Serialize, Deserialize)]
-#[serde(bound = "")]
-struct Kept<S: Study> {
+struct Kept<R> {
     key: String,
-    record: Record<S>,
+    record: R,
 }
 
 /// Only the key: what a file of another program may still have in common with ours.
@@ -59,11 +57,11 @@ impl Store {
         Ok(Self { folder, key: key.to_owned() })
     }
 
-    /// Looks for each of `cases`, and removes what belongs to none of them.
+    /// Looks for each case of these names, and removes what belongs to none of them.
     ///
     /// # Errors
     /// If the folder cannot be read, or leftovers not be removed.
-    pub fn find<S: Study>(&self, cases: &[Case]) -> Result<Found<S>, CannotSweep> {
+    pub fn find<R: DeserializeOwned>(&self, cases: &[String]) -> Result<Found<R>, CannotSweep> {
         let mut stale = false;
         let entries = std::fs::read_dir(&self.folder).map_err(CannotSweep::file("read", &self.folder))?;
         for entry in entries {
@@ -87,29 +85,25 @@ impl Store {
         Ok(Found { records, count })
     }
 
-    /// Keeps a finished case: written aside, then renamed, so that a file is whole or not there. A
-    /// case with an error is not kept: it is tried again next time.
+    /// Keeps a finished case: written aside, then renamed, so that a file is whole or not there.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn keep<S: Study>(&self, record: &Record<S>) -> Result<(), CannotSweep> {
-        if record.trials.iter().any(|trial| trial.ending == Ending::Error) {
-            return Ok(());
-        }
-        let path = self.path(&record.case);
-        let kept = Kept { key: self.key.clone(), record: record.clone() };
+    pub fn keep<R: Serialize>(&self, case: &str, record: &R) -> Result<(), CannotSweep> {
+        let path = self.path(case);
+        let kept = Kept { key: self.key.clone(), record };
         let bytes = serde_json::to_vec(&kept).map_err(|error| std::io::Error::other(error.to_string()));
         write_whole(&path, &bytes.map_err(CannotSweep::file("serialise", &path))?)
     }
 
-    fn path(&self, case: &Case) -> PathBuf {
-        self.folder.join(format!("{}.json", case.name()))
+    fn path(&self, case: &str) -> PathBuf {
+        self.folder.join(format!("{case}.json"))
     }
 
-    fn read<S: Study>(&self, case: &Case) -> Option<Record<S>> {
+    fn read<R: DeserializeOwned>(&self, case: &str) -> Option<R> {
         let bytes = std::fs::read(self.path(case)).ok()?;
-        let kept: Kept<S> = serde_json::from_slice(&bytes).ok()?;
-        (kept.key == self.key && kept.record.case == *case).then_some(kept.record)
+        let kept: Kept<R> = serde_json::from_slice(&bytes).ok()?;
+        (kept.key == self.key).then_some(kept.record)
     }
 }
 

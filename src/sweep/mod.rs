@@ -192,7 +192,7 @@ impl CannotSweep {
 pub fn run<S: Study>(plan: &Plan, options: &Options, watcher: &dyn Watcher) -> Result<Results<S>, CannotSweep> {
     let cases = plan.source.cases();
     let store = cases::Store::open(&options.out, &key(plan, options))?;
-    let found = store.find::<S>(&cases)?;
+    let found = store.find::<Record<S>>(&cases.iter().map(Case::name).collect::<Vec<_>>())?;
     watcher.begins(&found.count, plan.learners.len());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build()?;
     let records = pool.install(|| {
@@ -205,7 +205,10 @@ pub fn run<S: Study>(plan: &Plan, options: &Options, watcher: &dyn Watcher) -> R
                     return Ok(record);
                 }
                 let record = run_case::<S>(plan, *case, i == 0);
-                store.keep(&record)?;
+                // A case with an error is tried again next time.
+                if record.trials.iter().all(|trial| trial.ending != Ending::Error) {
+                    store.keep(&case.name(), &record)?;
+                }
                 watcher.finished(&record.case, &record.timing);
                 Ok(record)
             })
