@@ -1,4 +1,4 @@
-//! How visible each effect on the car is, from a tenth of the least to the greatest size of the law by which it is
+//! How visible each effect on the car, its scanner apart, is, from a tenth of the least to the greatest size of the law by which it is
 //! planted.
 //!
 //! A nominal drive of 200 s through a town gives commands; they are played on a level plane with the effect and
@@ -9,19 +9,22 @@
 //! cargo run --example visible -- 2 road_grade drag   # number of seeds from 1000 on, effects; all if none
 //! ```
 
+mod planting;
+
 use std::error::Error;
 
 use asami_dataset::truth::pose_at;
 use asami_dataset::{Action, Command, Seed, TruePose};
 use asami_math::angle::wrap_rad;
 use asami_sim::drives::driver::{Driver, Driving, Feel};
-use asami_sim::effect::{About, Draw, Way};
+use asami_sim::effect::{About, Place};
 use asami_sim::effects::{Effects, catalogue};
 use asami_sim::robots::car::{CarConfig, CarWorld, Start};
 use asami_sim::scenes::solid::Ground;
 use asami_sim::scenes::town::{Town, TownConfig};
 use asami_sim::world::{Drive, Seen, run};
 use nalgebra::{DMatrix, DVector};
+use planting::sizes;
 
 /// Seeds below 1000 belong to the experiments.
 const FIRST_SEED: u64 = 1000;
@@ -53,8 +56,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let seeds: u64 = arguments.next().map_or(Ok(1), |text| text.parse())?;
     let wanted: Vec<String> = arguments.collect();
-    let fits =
-        |about: &&About| about.fits.contains(&"car") && (wanted.is_empty() || wanted.iter().any(|it| it == about.name));
+    let fits = |about: &&About| {
+        let moves = matches!(about.place, Place::Actuation | Place::Dynamics);
+        about.fits.contains(&"car") && moves && (wanted.is_empty() || wanted.iter().any(|it| it == about.name))
+    };
     let drives: Vec<Nominal> =
         (FIRST_SEED..FIRST_SEED + seeds).map(|seed| nominal(Seed(seed))).collect::<Result<_, _>>()?;
     let level: Vec<[Vec<f64>; 2]> =
@@ -88,34 +93,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
-}
-
-/// Sizes from a tenth of the law's least to its greatest by half a decade, each way.
-fn sizes(about: &About) -> Vec<(f64, Effects)> {
-    let sized = about.law.iter().find_map(|(name, draw)| match draw {
-        Draw::Size { way, least, greatest } => Some((*name, *way, *least, *greatest)),
-        _ => None,
-    });
-    let Some((_, way, least, greatest)) = sized else { return Vec::new() };
-    let mut distances: Vec<f64> =
-        (-2..).map(|k| least * 10_f64.powf(0.5 * f64::from(k))).take_while(|d| *d < 0.9 * greatest).collect();
-    distances.push(greatest);
-    let signs: &[f64] = match way {
-        Way::Up => &[1.0],
-        Way::Down => &[-1.0],
-        Way::Either => &[1.0, -1.0],
-    };
-    let at = |distance: f64| {
-        let mut effects = Effects::default();
-        for (name, draw) in about.law {
-            let null = about.parameters.iter().find(|it| it.name == *name).map_or(0.0, |it| it.default);
-            if matches!(draw, Draw::Size { .. } | Draw::Same) {
-                effects.set(about.name, name, null + distance);
-            }
-        }
-        (distance, effects)
-    };
-    signs.iter().flat_map(|sign| distances.iter().map(|it| at(sign * it)).collect::<Vec<_>>()).collect()
 }
 
 fn nominal(seed: Seed) -> Result<Nominal, Box<dyn Error>> {

@@ -3,7 +3,7 @@
 use asami_dataset::parameters::Parameter;
 use asami_dataset::{Action, Frame, Rng, Sighting};
 
-use crate::knobs::Knobs;
+use crate::knobs::{Knobs, LaserKnobs};
 
 /// What the declaration of an effect says of it; written by the `effect!` macro.
 pub trait Declared: Send + Sync {
@@ -46,6 +46,9 @@ pub enum Stage {
     Joint(JointStage),
     /// On what one frame's vision reports, once a frame.
     Sighting(SightingStage),
+    /// On how each laser of a scanner departs from what its maker measured, lasers by increasing vertical angle; called
+    /// once.
+    Lasers(LasersStage),
 }
 
 /// See [`Stage::Command`].
@@ -54,6 +57,8 @@ pub type CommandStage = Box<dyn FnMut(f64, Action) -> Action + Send>;
 pub type JointStage = Box<dyn FnMut(f64, &mut [f64]) + Send>;
 /// See [`Stage::Sighting`].
 pub type SightingStage = Box<dyn FnMut(&Glance, &mut Vec<Sighting>) + Send>;
+/// See [`Stage::Lasers`].
+pub type LasersStage = Box<dyn FnOnce(&mut [LaserKnobs]) + Send>;
 
 /// One frame, as a [`SightingStage`] is told of it.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@
 
 /// The knobs of all robots, one group per place; a robot turns a deaf ear to those it lacks.
 ///
-/// The groups `body`, `eye` and `scene`, and the ground's slope, are read once, before the log begins.
+/// The groups `body`, `eye`, `scene` and `velodyne`, and an Aibo's ground's slope, are read once, before the log begins.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Knobs {
     /// Between the command and the gait.
@@ -22,6 +22,8 @@ pub struct Knobs {
     pub scene: SceneKnobs,
     /// What a car's mass, engine, brakes and steering are.
     pub vehicle: VehicleKnobs,
+    /// How a laser scanner is mounted, timed and read.
+    pub velodyne: VelodyneKnobs,
 }
 
 /// How a command becomes what the gait generator attempts.
@@ -197,4 +199,50 @@ impl Default for VehicleKnobs {
             drag_n_s2_per_m2: 0.0,
         }
     }
+}
+
+/// A laser scanner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VelodyneKnobs {
+    /// How far its base leans back, its front up.
+    pub pitch_rad: f64,
+    /// How far its base leans to the right, its left side up.
+    pub roll_rad: f64,
+    /// Factor on how fast the head turns.
+    pub turn_ratio: f64,
+    /// How far its clock is ahead of the log's.
+    pub ahead_s: f64,
+    /// Share of the motion within a turn of the head that is taken out of the turn.
+    pub compensated: f64,
+    /// Factor on the standard deviation of ranges.
+    pub noise_ratio: f64,
+    /// Share of returns that get lost on top of its own.
+    pub dropouts: f64,
+}
+
+impl Default for VelodyneKnobs {
+    fn default() -> Self {
+        Self {
+            pitch_rad: 0.0,
+            roll_rad: 0.0,
+            turn_ratio: 1.0,
+            ahead_s: 0.0,
+            compensated: 0.0,
+            noise_ratio: 1.0,
+            dropouts: 0.0,
+        }
+    }
+}
+
+/// One laser of a scanner, as it departs from what its maker measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LaserKnobs {
+    /// Points this much higher.
+    pub vertical_rad: f64,
+    /// Stands this much farther to the left of where it looks.
+    pub left_m: f64,
+    /// Stands this much higher.
+    pub up_m: f64,
+    /// Measures this much too much.
+    pub range_m: f64,
 }

@@ -1,12 +1,15 @@
 //! The catalogue of effects: one file and one row each.
 
+pub mod base_tilt;
 pub mod battery_sag;
 pub mod brake_fade;
 pub mod camera_pitch;
 pub mod car_payload;
+pub mod clock_offset;
 pub mod command_delay;
 pub mod command_scale;
 pub mod drag;
+pub mod dropouts;
 pub mod false_sightings;
 pub mod focal_error;
 pub mod ground_friction;
@@ -14,23 +17,29 @@ pub mod height_bias;
 pub mod image_delay;
 pub mod joint_backlash;
 pub mod landmark_moved;
+pub mod laser_origin_offsets;
 pub mod lens_distortion;
 pub mod missed_sightings;
 pub mod motor_weakness;
 pub mod pan_offset;
 pub mod payload;
+pub mod range_bias;
+pub mod range_noise;
 pub mod road_grade;
 pub mod rolling_resistance;
 pub mod servo_latency;
 pub mod servo_speed_limit;
 pub mod short_leg;
 pub mod slope;
+pub mod spin_rate_error;
 pub mod steering_lag;
 pub mod steering_offset;
 pub mod steering_ratio;
+pub mod sweep_motion;
 pub mod throttle_deadband;
 pub mod throttle_delay;
 pub mod tyre_slip;
+pub mod vertical_angle_bias;
 pub mod vision_noise;
 pub mod weak_leg;
 
@@ -130,4 +139,13 @@ effects! {
     road_grade => RoadGrade,
     rolling_resistance => RollingResistance,
     car_payload => CarPayload,
+    vertical_angle_bias => VerticalAngleBias,
+    laser_origin_offsets => LaserOriginOffsets,
+    range_bias => RangeBias,
+    range_noise => RangeNoise,
+    base_tilt => BaseTilt,
+    clock_offset => ClockOffset,
+    spin_rate_error => SpinRateError,
+    dropouts => Dropouts,
+    sweep_motion => SweepMotion,
 }

@@ -7,3 +7,5 @@ mod catalogue;
 mod conformance;
 mod drives;
 mod dynamics;
+mod lidar;
+mod scans;

@@ -118,7 +118,7 @@ impl AiboWorld {
                 Some(Stage::Command(stage)) => world.command_stages.push(stage),
                 Some(Stage::Joint(stage)) => world.joint_stages.push(stage),
                 Some(Stage::Sighting(stage)) => world.sighting_stages.push(stage),
-                None => {}
+                Some(Stage::Lasers(_)) | None => {}
             }
         }
         Ok(world)

@@ -103,8 +103,8 @@ impl CarWorld {
         for effect in effects.iter() {
             match effect.stage(seed.stream(&format!("effect/{}", effect.about().name))) {
                 Some(Stage::Command(stage)) => world.command_stages.push(stage),
-                // No joints, no landmarks: such effects do not fit this robot.
-                Some(Stage::Joint(_) | Stage::Sighting(_)) | None => {}
+                // No joints, no landmarks; its scanner sees to its lasers itself.
+                Some(Stage::Joint(_) | Stage::Sighting(_) | Stage::Lasers(_)) | None => {}
             }
         }
         let knobs = world.knobs(0.0);

@@ -82,7 +82,7 @@ impl PlainWorld {
                 Some(Stage::Command(stage)) => world.command_stages.push(stage),
                 Some(Stage::Sighting(stage)) => world.sighting_stages.push(stage),
                 // No joints to act on: such effects do not fit this robot.
-                Some(Stage::Joint(_)) | None => {}
+                Some(Stage::Joint(_) | Stage::Lasers(_)) | None => {}
             }
         }
         world

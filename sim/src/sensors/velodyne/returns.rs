@@ -6,6 +6,7 @@ use asami_raycast::{Bundle, Hits};
 use rand::Rng as _;
 
 use super::{Scenery, VelodyneConfig};
+use crate::knobs::VelodyneKnobs;
 
 /// Units of a recorded range in a metre: 2 mm each.
 const PER_STEP_M: f32 = 500.0;
@@ -31,6 +32,9 @@ pub(super) struct Readings {
 /// Draws for a bundle: 16 bits a lane.
 pub(super) type Draws = [u16; Bundle::RAYS];
 
+/// What each lane of a bundle measures too much, in metres.
+pub(super) type Biases = [f32; Bundle::RAYS];
+
 /// The next draws of a stream.
 pub(super) fn draw(rng: &mut Rng) -> Draws {
     let mut bytes = [0; 2 * Bundle::RAYS];
@@ -39,13 +43,14 @@ pub(super) fn draw(rng: &mut Rng) -> Draws {
 }
 
 impl Meter {
-    pub fn new(config: &VelodyneConfig) -> Self {
+    pub fn new(config: &VelodyneConfig, knobs: &VelodyneKnobs) -> Self {
+        let range_sd_m = config.range_sd_m * knobs.noise_ratio;
         Self {
             least_m: config.least_range_m as f32,
             greatest_m: config.greatest_range_m as f32,
-            kept: (1.0 - config.dropouts) as f32,
+            kept: (1.0 - config.dropouts - knobs.dropouts).max(0.0) as f32,
             per_half_lost_m: (1.0 / config.half_lost_range_m) as f32,
-            errors_m: half_normal().map(|error| (config.range_sd_m * error) as f32).collect(),
+            errors_m: half_normal().map(|error| (range_sd_m * error) as f32).collect(),
         }
     }
 
@@ -56,7 +61,16 @@ impl Meter {
 
     /// Measures what a bundle's beams met. Light that comes back is reflectivity times the cosine of incidence, over the range squared: where it is
     /// as much as a white wall's at the half-lost range, every other return is seen; the odds of being seen go with its square.
-    pub fn read(&self, scenery: &Scenery, bundle: &Bundle, hits: &Hits, noise: &Draws, chance: &Draws) -> Readings {
+    /// `biases_m` is what each lane measures too much.
+    pub fn read(
+        &self,
+        scenery: &Scenery,
+        bundle: &Bundle,
+        hits: &Hits,
+        draws: [&Draws; 2],
+        biases_m: &Biases,
+    ) -> Readings {
+        let [noise, chance] = draws;
         let mut brightness = [0.0_f32; Bundle::RAYS];
         let [dx, dy, dz] = &bundle.direction;
         for (lane, brightness) in brightness.iter_mut().enumerate() {
@@ -64,9 +78,9 @@ impl Meter {
             *brightness = (x * dx[lane] + y * dy[lane] + z * dz[lane]).abs();
         }
         let mut error_m = [0.0_f32; Bundle::RAYS];
-        for (error_m, draw) in error_m.iter_mut().zip(noise) {
+        for ((error_m, draw), bias_m) in error_m.iter_mut().zip(noise).zip(biases_m) {
             let half = self.errors_m[usize::from(draw & 0x7fff)];
-            *error_m = if draw & 0x8000 == 0 { half } else { -half };
+            *error_m = bias_m + if draw & 0x8000 == 0 { half } else { -half };
         }
         let mut readings = Readings { range_2mm: [0; Bundle::RAYS], intensity: [0; Bundle::RAYS] };
         for lane in 0..Bundle::RAYS {

@@ -4,10 +4,13 @@ use asami_dataset::{Firings, Seed};
 use asami_raycast::{Bundle, Hits};
 use rayon::prelude::*;
 
-use super::beams::{self, Clock, FIRINGS, Heads, LASERS, Mount, RUN};
-use super::returns::{Meter, Readings, draw};
+use super::beams::{self, Base, Clock, FIRINGS, Heads, LASERS, Mount, RUN};
+use super::returns::{Biases, Meter, Readings, draw};
 use super::track::Track;
 use super::{Scenery, SensorPose, TrackError, Unit, VelodyneConfig};
+use crate::effect::Stage;
+use crate::effects::Effects;
+use crate::knobs::{Knobs, LaserKnobs, VelodyneKnobs};
 
 /// Firings that are worked off, and for which random streams are named, together.
 const BLOCK: usize = 512;
@@ -19,7 +22,10 @@ const ENCODER_STEPS: f64 = 36_000.0;
 pub struct Velodyne {
     config: VelodyneConfig,
     unit: Unit,
+    knobs: VelodyneKnobs,
     mounts: Vec<Mount>,
+    /// For every [`LASERS`] of them.
+    biases: Vec<Biases>,
 }
 
 /// What all blocks of a drive share.
@@ -43,8 +49,31 @@ impl Velodyne {
     /// A scanner with the unit's lasers.
     #[must_use]
     pub fn new(config: VelodyneConfig, unit: Unit) -> Self {
-        let mounts = beams::mounts(&unit, &config);
-        Self { config, unit, mounts }
+        let none = Velodyne { config, unit, knobs: VelodyneKnobs::default(), mounts: Vec::new(), biases: Vec::new() };
+        none.departing(VelodyneKnobs::default(), &[])
+    }
+
+    /// The same scanner under effects: what its maker says of it stays as it is. `seed` is the drive's.
+    #[must_use]
+    pub fn under(self, effects: &Effects, seed: Seed) -> Self {
+        let mut knobs = Knobs::default();
+        let mut lasers = vec![LaserKnobs::default(); self.unit.lasers().len()];
+        for effect in effects.iter() {
+            effect.tune(0.0, &mut knobs);
+            if let Some(Stage::Lasers(stage)) = effect.stage(seed.stream(&format!("effect/{}", effect.about().name))) {
+                stage(&mut lasers);
+            }
+        }
+        self.departing(knobs.velodyne, &lasers)
+    }
+
+    fn departing(self, knobs: VelodyneKnobs, lasers: &[LaserKnobs]) -> Self {
+        let Self { config, unit, .. } = self;
+        let mounts = beams::mounts(&unit, &config, &knobs, lasers);
+        let bias_m = |i: usize| lasers.get(i).map_or(0.0, |laser| laser.range_m as f32);
+        let bundle = |first: usize| std::array::from_fn(|lane| bias_m(first + lane / RUN % LASERS));
+        let biases = (0..mounts.len()).step_by(LASERS).map(bundle).collect();
+        Self { config, unit, knobs, mounts, biases }
     }
 
     /// What the lasers' angles are counted from, plus the angles: theta_l + theta_b of each laser, by increasing
@@ -67,7 +96,7 @@ impl Velodyne {
     /// If the track has fewer than two poses, times that do not increase, or numbers that are none.
     pub fn scan(&self, scenery: &Scenery, poses: &[SensorPose], seed: Seed) -> Result<Firings, TrackError> {
         let track = Track::new(poses)?;
-        let clock = Clock::new(&self.config, track.span_s()[0]);
+        let clock = Clock::new(&self.config, &self.knobs, track.span_s()[0]);
         let count = self.count(&track);
         let lasers = self.mounts.len();
         let mut firings = Firings {
@@ -78,7 +107,7 @@ impl Velodyne {
             range_2mm: vec![vec![0; count]; lasers],
             intensity: vec![vec![0; count]; lasers],
         };
-        let drive = Drive { scenery, track, clock, meter: Meter::new(&self.config), seed };
+        let drive = Drive { scenery, track, clock, meter: Meter::new(&self.config, &self.knobs), seed };
         self.rows(&mut firings).into_par_iter().enumerate().for_each(|(block, mut rows)| {
             self.scan_block(&drive, block, &mut rows);
         });
@@ -92,7 +121,7 @@ impl Velodyne {
     /// Those of [`Self::scan`].
     pub fn bundles(&self, poses: &[SensorPose]) -> Result<Vec<Bundle>, TrackError> {
         let track = Track::new(poses)?;
-        let clock = Clock::new(&self.config, track.span_s()[0]);
+        let clock = Clock::new(&self.config, &self.knobs, track.span_s()[0]);
         let [least, greatest] = self.lags();
         let blocks = (self.count(&track) + (greatest - least) as usize).div_ceil(BLOCK);
         let mut bundles = Vec::new();
@@ -111,7 +140,12 @@ impl Velodyne {
 
     fn heads(&self, track: &Track, clock: &Clock, block: usize) -> Heads {
         let ([least, greatest], first) = (self.lags(), self.first_of(block));
-        Heads::new(track, clock, self.config.base_rad, first + least..first + greatest + BLOCK as isize)
+        Heads::new(
+            track,
+            clock,
+            &Base::new(&self.config, &self.knobs),
+            first + least..first + greatest + BLOCK as isize,
+        )
     }
 
     /// Aims a block's bundles one after another, each at the lasers from the one named and, but for their lags, at the firings from the one named.
@@ -173,7 +207,8 @@ impl Velodyne {
         let mut hits = Hits::none();
         self.aim_block(&self.heads(track, clock, block), block, |bundle, laser, at| {
             scenery.caster().cast(bundle, meter.reach_m(), &mut hits);
-            let readings = meter.read(scenery, bundle, &hits, &draw(&mut noise), &draw(&mut chance));
+            let draws = [&draw(&mut noise), &draw(&mut chance)];
+            let readings = meter.read(scenery, bundle, &hits, draws, &self.biases[laser / LASERS]);
             for (slot, (mount, row)) in self.mounts.iter().zip(&mut *rows).skip(laser).take(LASERS).enumerate() {
                 row.take(&readings, slot, at + mount.lag);
             }
