@@ -41,8 +41,10 @@ pub struct Fitted {
     pub numbers: Vec<f64>,
 }
 
-/// Steps of Newton's method.
+/// Steps of Newton's method for a block that a log speaks for; the others get one.
 const ITERATIONS: usize = 3;
+/// Evidence from which on a block is worth more than one step, in nats.
+const SPEAKS: f64 = 2.0;
 /// Differences are taken over this share of a prior standard deviation.
 const DIFFERENCE: f64 = 0.05;
 
@@ -51,74 +53,110 @@ const DIFFERENCE: f64 = 0.05;
 pub fn fit(judge: &Judge<'_>, numbers: &[f64], of: &dyn Fn(usize) -> bool) -> Vec<Fitted> {
     let shape = &judge.library.base.shape;
     let each: Vec<Vec<Direction>> = BLOCKS[..5].iter().map(|block| directions(shape, numbers, block)).collect();
-    let blocks = each.iter().cloned().chain([each.concat()]);
-    BLOCKS.into_iter().zip(blocks).map(|(block, directions)| one(judge, numbers, block, &directions, of)).collect()
+    let all = each.concat();
+    let on = On { judge, numbers, directions: &all, of };
+    let here = on.likely(&vec![0.0; all.len()]);
+    let scores: Vec<Vec<f64>> = (0..all.len()).map(|i| on.score(&vec![0.0; all.len()], &here, i)).collect();
+    let mut start = 0;
+    let mut ranges: Vec<std::ops::Range<usize>> = Vec::new();
+    for directions in &each {
+        ranges.push(start..start + directions.len());
+        start += directions.len();
+    }
+    ranges.push(0..all.len());
+    BLOCKS.into_iter().zip(ranges).map(|(block, range)| on.block(block, range, &here, &scores)).collect()
 }
 
-/// Fits one block.
-fn one(
-    judge: &Judge<'_>,
-    base: &[f64],
-    block: &'static str,
-    directions: &[Direction],
-    of: &dyn Fn(usize) -> bool,
-) -> Fitted {
-    let p = directions.len();
-    let at = |b: &[f64]| {
-        let mut numbers = base.to_vec();
-        for (b, direction) in b.iter().zip(directions).filter(|(b, _)| **b != 0.0) {
+/// A response, the ways in which it may change, and the steps that count.
+struct On<'a> {
+    judge: &'a Judge<'a>,
+    numbers: &'a [f64],
+    directions: &'a [Direction],
+    of: &'a dyn Fn(usize) -> bool,
+}
+
+impl On<'_> {
+    fn at(&self, b: &[f64]) -> Vec<f64> {
+        let mut numbers = self.numbers.to_vec();
+        for (b, direction) in b.iter().zip(self.directions).filter(|(b, _)| **b != 0.0) {
             for (number, change) in numbers.iter_mut().zip(direction) {
                 *number += b * change;
             }
         }
         numbers
-    };
-    let likely = |b: &[f64]| -> Vec<f64> {
-        let all = judge.filtered(&at(b)).log_likelihoods;
-        all.into_iter().enumerate().map(|(i, it)| if of(i) { it } else { 0.0 }).collect()
-    };
-    let sum = |terms: &[f64]| terms.iter().fold(0.0, |sum, it| sum + it);
-    let prior = |b: &[f64]| -0.5 * b.iter().fold(0.0, |sum, b| sum + b * b);
-    let mut b = vec![0.0; p];
-    let mut terms = likely(&b);
-    let none = sum(&terms);
-    let mut ln_det = 0.0;
-    for _ in 0..ITERATIONS {
-        let Some((step, ln_determinant)) = newton(&b, &terms, &likely) else { break };
-        ln_det = ln_determinant;
-        let here = sum(&terms) + prior(&b);
-        // Halved until it is no longer a step down.
-        let better = [1.0, 0.5, 0.25, 0.1].into_iter().find_map(|share| {
-            let there: Vec<f64> = b.iter().zip(&step).map(|(b, step)| b + share * step).collect();
-            let terms = likely(&there);
-            (sum(&terms) + prior(&there) > here).then_some((there, terms))
-        });
-        let Some((there, of_there)) = better else { break };
-        let gained = sum(&of_there) + prior(&there) - here;
-        (b, terms) = (there, of_there);
-        if gained < 0.1 {
-            break;
-        }
     }
-    let evidence_nats = sum(&terms) - none + prior(&b) - 0.5 * ln_det;
-    Fitted { block, evidence_nats, numbers: at(&b) }
+
+    /// Log-likelihoods of the steps that count; 0 of the others.
+    fn likely(&self, b: &[f64]) -> Vec<f64> {
+        let all = self.judge.filtered(&self.at(b)).log_likelihoods;
+        all.into_iter().enumerate().map(|(i, it)| if (self.of)(i) { it } else { 0.0 }).collect()
+    }
+
+    /// Derivatives of the steps' log-likelihoods along a direction.
+    fn score(&self, b: &[f64], here: &[f64], direction: usize) -> Vec<f64> {
+        let mut beside = b.to_vec();
+        beside[direction] += DIFFERENCE;
+        self.likely(&beside).iter().zip(here).map(|(there, here)| (there - here) / DIFFERENCE).collect()
+    }
+
+    /// Fits the block of some of the directions by Newton's method.
+    fn block(
+        &self,
+        block: &'static str,
+        range: std::ops::Range<usize>,
+        at_zero: &[f64],
+        scores: &[Vec<f64>],
+    ) -> Fitted {
+        let mut b = vec![0.0; self.directions.len()];
+        let mut terms = at_zero.to_vec();
+        let mut of_block: Vec<Vec<f64>> = scores[range.clone()].to_vec();
+        let mut evidence_nats = f64::NEG_INFINITY;
+        for iteration in 0..ITERATIONS {
+            if iteration > 0 {
+                of_block = range.clone().map(|i| self.score(&b, &terms, i)).collect();
+            }
+            let Some((step, ln_det)) = newton(&b[range.clone()], &of_block) else { break };
+            let objective = |terms: &[f64], b: &[f64]| sum(terms) - 0.5 * b.iter().fold(0.0, |sum, b| sum + b * b);
+            let here = objective(&terms, &b);
+            // Halved until it is no longer a step down.
+            let better = [1.0, 0.5, 0.25, 0.1].into_iter().find_map(|share| {
+                let mut there = b.clone();
+                for (b, step) in there[range.clone()].iter_mut().zip(&step) {
+                    *b += share * step;
+                }
+                let terms = self.likely(&there);
+                (objective(&terms, &there) > here).then_some((there, terms))
+            });
+            let moved = better.is_some();
+            if let Some((there, of_there)) = better {
+                (b, terms) = (there, of_there);
+            }
+            let found = objective(&terms, &b);
+            evidence_nats = found - sum(at_zero) - 0.5 * ln_det;
+            if !moved || evidence_nats < SPEAKS || found - here < 0.1 {
+                break;
+            }
+        }
+        Fitted { block, evidence_nats, numbers: self.at(&b) }
+    }
+}
+
+fn sum(terms: &[f64]) -> f64 {
+    terms.iter().fold(0.0, |sum, it| sum + it)
 }
 
 /// A step of Newton's method, and the logarithm of the determinant of the curvature over the prior's.
-fn newton(b: &[f64], terms: &[f64], likely: &impl Fn(&[f64]) -> Vec<f64>) -> Option<(Vec<f64>, f64)> {
+fn newton(b: &[f64], scores: &[Vec<f64>]) -> Option<(Vec<f64>, f64)> {
     let p = b.len();
-    let scores: Vec<Vec<f64>> = (0..p)
-        .map(|i| {
-            let mut beside = b.to_vec();
-            beside[i] += DIFFERENCE;
-            likely(&beside).iter().zip(terms).map(|(there, here)| (there - here) / DIFFERENCE).collect()
-        })
-        .collect();
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
-    let curvature: Vec<Vec<f64>> = (0..p)
-        .map(|i| (0..p).map(|j| product(&scores[i], &scores[j]) + if i == j { 1.0 } else { 0.0 }).collect())
-        .collect();
-    let slope: Vec<f64> = (0..p).map(|i| scores[i].iter().fold(0.0, |sum, it| sum + it) - b[i]).collect();
+    let mut curvature = vec![vec![0.0; p]; p];
+    for i in 0..p {
+        for j in 0..=i {
+            curvature[i][j] = product(&scores[i], &scores[j]) + if i == j { 1.0 } else { 0.0 };
+            curvature[j][i] = curvature[i][j];
+        }
+    }
+    let slope: Vec<f64> = (0..p).map(|i| sum(&scores[i]) - b[i]).collect();
     let l = cholesky(&curvature)?;
     let ln_determinant = 2.0 * (0..p).fold(0.0, |sum, i| sum + ln(l[i][i]));
     Some((cholesky_solve(&l, &slope), ln_determinant))

@@ -15,13 +15,13 @@ pub const UNKNOWN: &str = "unknown";
 /// No cause.
 pub const NONE: &str = "none";
 
-/// Evidence of causes over *none*, by cause: an effect, several joined by `+`, or [`UNKNOWN`].
+/// Evidence of causes over *none*, by cause: an effect, several joined by `+`, or `unknown/` and a flexible block.
 pub type Evidence = BTreeMap<String, f64>;
 
 /// A planted case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Case {
-    /// The true cause.
+    /// The true cause, as in [`Evidence`], or [`NONE`].
     pub truth: String,
     /// What speaks for each cause.
     pub evidence: Evidence,
@@ -73,7 +73,8 @@ impl Calibration {
             let of = |held: bool| cases.iter().enumerate().filter(move |(i, _)| (i % FOLDS == fold) == held);
             let rest = fit(&of(false).map(|(_, case)| case).collect::<Vec<_>>());
             for (_, case) in of(true) {
-                let probability = rest.probabilities(&case.evidence).get(&case.truth).copied().unwrap_or(0.0);
+                let truth = if is_unknown(&case.truth) { UNKNOWN } else { &case.truth };
+                let probability = rest.probabilities(&case.evidence).get(truth).copied().unwrap_or(0.0);
                 scores[stratum(&case.evidence)].push(probability);
             }
         }
@@ -89,9 +90,27 @@ impl Calibration {
         calibration
     }
 
-    /// Probabilities of all causes, *none* among them.
+    /// Probabilities of all causes, *none* and [`UNKNOWN`] among them.
     #[must_use]
     pub fn probabilities(&self, evidence: &Evidence) -> BTreeMap<String, f64> {
+        let mut probabilities = BTreeMap::new();
+        for (cause, p) in self.by_block(evidence) {
+            let cause = if is_unknown(&cause) { UNKNOWN.to_owned() } else { cause };
+            *probabilities.entry(cause).or_insert(0.0) += p;
+        }
+        probabilities
+    }
+
+    /// The flexible block in which a cause in nobody's list would lie.
+    #[must_use]
+    pub fn block(&self, evidence: &Evidence) -> Option<String> {
+        let unknown = self.by_block(evidence).into_iter().filter(|(cause, _)| is_unknown(cause));
+        let best = unknown.reduce(|a, b| if b.1 > a.1 { b } else { a });
+        best.and_then(|(cause, _)| cause.split_once('/').map(|(_, block)| block.to_owned()))
+    }
+
+    /// Probabilities with each flexible block of the unknown by itself.
+    fn by_block(&self, evidence: &Evidence) -> BTreeMap<String, f64> {
         let weight = self.tau / (1.0 + self.fade * greatest(evidence));
         let singles = evidence.keys().filter(|cause| is_single(cause)).count().max(1) as f64;
         let none = [(NONE.to_owned(), ln(PRIOR_NONE) + self.beta(NONE))];
@@ -125,14 +144,18 @@ impl Calibration {
     }
 }
 
+fn is_unknown(cause: &str) -> bool {
+    cause.starts_with(UNKNOWN)
+}
+
 /// One effect, not several and not *unknown*.
 fn is_single(cause: &str) -> bool {
-    cause != UNKNOWN && cause != NONE && !cause.contains('+')
+    !is_unknown(cause) && cause != NONE && !cause.contains('+')
 }
 
 fn prior(cause: &str, singles: f64) -> f64 {
-    if cause == UNKNOWN {
-        return PRIOR_UNKNOWN;
+    if is_unknown(cause) {
+        return PRIOR_UNKNOWN / crate::blocks::BLOCKS.len() as f64;
     }
     // Each further effect costs a factor of 0.1, shared by all that it could have been.
     let further = cause.matches('+').count() as i32;
@@ -177,7 +200,7 @@ fn fit(cases: &[&Case]) -> Calibration {
     };
     for step in 1..=STEPS {
         let slope = slope(cases, &read(&at), &causes, &at);
-        let rate = 0.05 / (1.0 + step as f64 / 100.0);
+        let rate = 0.2 / (1.0 + step as f64 / 50.0);
         for (((at, slope), mean), square) in at.iter_mut().zip(slope).zip(&mut mean).zip(&mut square) {
             *mean = 0.9 * *mean + 0.1 * slope;
             *square = 0.99 * *square + 0.01 * slope * slope;
@@ -192,7 +215,7 @@ fn fit(cases: &[&Case]) -> Calibration {
 fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f64]) -> Vec<f64> {
     let mut slope = vec![0.0; at.len()];
     for case in cases {
-        let probabilities = calibration.probabilities(&case.evidence);
+        let probabilities = calibration.by_block(&case.evidence);
         let top = greatest(&case.evidence);
         let fading = 1.0 + calibration.fade * top;
         for (cause, p) in &probabilities {
@@ -209,8 +232,10 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
     }
     slope[0] += at[0] / 0.25;
     slope[1] += (at[1] + 3.0) / 4.0;
-    for (slope, at) in slope[2..].iter_mut().zip(&at[2..]) {
-        *slope += at / (BETA_SD * BETA_SD);
+    for ((slope, at), cause) in slope[2..].iter_mut().zip(&at[2..]).zip(causes) {
+        // Blocks pay for a freedom that hardly any cause needs in full.
+        let sd = if is_unknown(cause) { 10.0 * BETA_SD } else { BETA_SD };
+        *slope += at / (sd * sd);
     }
     slope
 }
@@ -219,7 +244,7 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
 #[must_use]
 pub fn log_loss(calibration: &Calibration, cases: &[Case]) -> f64 {
     let loss = |case: &Case| {
-        let p = calibration.probabilities(&case.evidence).get(&case.truth).copied().unwrap_or(0.0);
+        let p = calibration.by_block(&case.evidence).get(&case.truth).copied().unwrap_or(0.0);
         -ln_1p(p.max(1e-12) - 1.0)
     };
     cases.iter().map(loss).fold(0.0, |sum, it| sum + it) / cases.len().max(1) as f64

@@ -8,10 +8,21 @@ use asami_math::optimise::golden_section;
 use crate::judge::Judge;
 use crate::plant::{Planted, Variant};
 
-/// Sizes at which every kind of effect is tried.
-const COARSE: usize = 8;
-/// Kinds this far below the best of their effect need no finer look, in nats.
-const HOPELESS_NATS: f64 = 25.0;
+/// How closely effects are looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// Sizes at which every kind is tried.
+    pub sizes: usize,
+    /// Kinds less than this below the best of all are looked at again about their peak, in nats.
+    pub within_nats: f64,
+    /// Kinds that gain less than this are not, in nats.
+    pub least_nats: f64,
+}
+
+/// At the effects of a log that may have any.
+pub const CLOSE: Look = Look { sizes: 8, within_nats: 25.0, least_nats: -3.0 };
+/// At what may stand beside an effect.
+pub const PASSING: Look = Look { sizes: 4, within_nats: 8.0, least_nats: 2.0 };
 
 /// One effect, weighed.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,7 +91,7 @@ fn between(a: f64, b: f64) -> f64 {
 /// Weighs every effect of which `variants` has kinds, in the order of their first kind. `with` is what else is in
 /// the world.
 #[must_use]
-pub fn weigh(judge: &Judge<'_>, variants: &[Variant], with: &[Planted]) -> Vec<Weighed> {
+pub fn weigh(judge: &Judge<'_>, variants: &[Variant], with: &[Planted], look: Look) -> Vec<Weighed> {
     let none = judge.log_likelihood(with);
     let gain = |variant: &Variant, ln_size: f64| {
         let planted = Planted { variant: variant.clone(), size: exp(ln_size) };
@@ -90,17 +101,17 @@ pub fn weigh(judge: &Judge<'_>, variants: &[Variant], with: &[Planted]) -> Vec<W
     let mut effects: Vec<(&'static str, Vec<Tried>)> = Vec::new();
     for variant in variants.iter().filter(|variant| judge.library.entry(variant).is_some()) {
         let (least, greatest) = variant.sizes();
-        let at = |i: usize| ln(least) + ln(greatest / least) * i as f64 / (COARSE - 1) as f64;
-        let points = (0..COARSE).map(|i| (at(i), gain(variant, at(i)))).collect();
+        let at = |i: usize| ln(least) + ln(greatest / least) * i as f64 / (look.sizes - 1) as f64;
+        let points = (0..look.sizes).map(|i| (at(i), gain(variant, at(i)))).collect();
         let tried = Tried { variant: variant.clone(), points };
         match effects.iter_mut().find(|(name, _)| *name == variant.about.name) {
             Some((_, kinds)) => kinds.push(tried),
             None => effects.push((variant.about.name, vec![tried])),
         }
     }
-    for (_, kinds) in &mut effects {
-        let top = kinds.iter().map(|kind| kind.best().1).fold(f64::NEG_INFINITY, f64::max);
-        for kind in kinds.iter_mut().filter(|kind| kind.best().1 > top - HOPELESS_NATS) {
+    let top = effects.iter().flat_map(|(_, kinds)| kinds).map(|kind| kind.best().1).fold(f64::NEG_INFINITY, f64::max);
+    for kind in effects.iter_mut().flat_map(|(_, kinds)| kinds) {
+        if kind.best().1 > (top - look.within_nats).max(look.least_nats) {
             refine(kind, &gain);
         }
     }
@@ -115,10 +126,10 @@ fn refine(kind: &mut Tried, gain: &impl Fn(&Variant, f64) -> f64) {
     let (least, greatest) = (kind.points[0].0, kind.points[kind.points.len() - 1].0);
     let low = kind.points[i.saturating_sub(1)].0;
     let high = kind.points[(i + 1).min(kind.points.len() - 1)].0;
-    let peak = golden_section(|at| -gain(&kind.variant, at), low, high, 1e-3);
+    let peak = golden_section(|at| -gain(&kind.variant, at), low, high, 0.02);
     let mut further = vec![(peak.x, -peak.value)];
     // The curvature at the peak says how wide it is.
-    let h = 0.02;
+    let h = 0.05;
     let beside = [peak.x - h, peak.x + h].map(|at| at.clamp(least, greatest));
     let drop = beside.map(|at| -peak.value - gain(&kind.variant, at));
     let curvature = drop.into_iter().fold(0.0, f64::max) * 2.0 / (h * h);

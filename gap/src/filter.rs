@@ -135,11 +135,9 @@ pub fn filter_by(
         if view.steps[i].dt_s > 0.0 {
             ready.predict(view, i, belief);
         }
-        let (mut log_likelihood, mut expected) = (0.0, 0.0);
         let n = view.landmarks.len();
-        if let Some(counted) = counted.get(i * n..(i + 1) * n) {
-            ready.detection(view, i, belief, counted, &mut filtered, &mut log_likelihood, &mut expected);
-        }
+        let counted = counted.get(i * n..(i + 1) * n).unwrap_or(UNCOUNTED);
+        let (mut log_likelihood, mut expected) = ready.detection(view, i, belief, counted, &mut filtered.visits);
         for seen in view.steps[i].seen.clone() {
             log_likelihood += ready.update(view, i, seen, belief, &mut filtered.innovations);
             // The entropy of a Gaussian: 1 for its two squares, and its scales.
@@ -222,26 +220,19 @@ impl<'a> Ready<'a> {
         }
     }
 
-    /// Adds the logarithm of the probability of what was seen and what was missed, and what is expected of it.
-    fn detection(
-        &self,
-        view: &View,
-        i: usize,
-        belief: &Belief,
-        counted: &[bool],
-        filtered: &mut Filtered,
-        log_likelihood: &mut f64,
-        expected: &mut f64,
-    ) {
+    /// The logarithm of the probability of what was seen and what was missed, and what is expected of minus it.
+    fn detection(&self, view: &View, i: usize, belief: &Belief, counted: &[bool], visits: &mut [f64]) -> (f64, f64) {
         let seen = &view.seen[view.steps[i].seen.clone()];
-        for landmark in (0..view.landmarks.len()).filter(|landmark| counted[*landmark]) {
+        let (mut log_likelihood, mut expected) = (0.0, 0.0);
+        for (landmark, _) in counted.iter().enumerate().filter(|(_, counts)| **counts) {
             let sight = self.sight(view, i, landmark, &belief.mean);
             let Some(bin) = self.shape.bin(sight.distance_m, sight.off_rad) else { continue };
             let [missed, found] = self.detection[bin];
-            *log_likelihood += if seen.iter().any(|it| it.landmark == landmark) { found } else { missed };
-            *expected -= exp(missed) * missed + exp(found) * found;
-            filtered.visits[bin] += 1.0;
+            log_likelihood += if seen.iter().any(|it| it.landmark == landmark) { found } else { missed };
+            expected -= exp(missed) * missed + exp(found) * found;
+            visits[bin] += 1.0;
         }
+        (log_likelihood, expected)
     }
 
     /// Whether a landmark is as likely to be seen two standard deviations of the pose to either side.

@@ -1,10 +1,8 @@
 //! All that a log says of every cause: single effects, two at once, and the unknown.
 
-use asami_math::elementary::{exp, ln};
-
 use crate::blocks::{self, Fitted};
 use crate::calibration::{Evidence, UNKNOWN};
-use crate::evidence::{Weighed, weigh};
+use crate::evidence::{CLOSE, PASSING, Weighed, weigh};
 use crate::judge::Judge;
 use crate::plant::{Planted, Variant};
 
@@ -13,7 +11,7 @@ const WORTH_A_SECOND: f64 = 3.0;
 /// Effects so close to the leader are each tried with every other beside it.
 const NEAR_NATS: f64 = 10.0;
 /// At most so many are.
-const LEADERS: usize = 3;
+const LEADERS: usize = 2;
 
 /// Two effects at once.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +41,7 @@ impl Findings {
     /// Weighs every cause.
     #[must_use]
     pub fn new(judge: &Judge<'_>, variants: &[Variant]) -> Self {
-        let mut weighed = weigh(judge, variants, &[]);
+        let mut weighed = weigh(judge, variants, &[], CLOSE);
         weighed.sort_by(|a, b| b.evidence_nats.total_cmp(&a.evidence_nats));
         let blocks = blocks::fit(judge, &judge.library.base.numbers, &|_| true);
         let pairs = pairs(judge, variants, &weighed);
@@ -55,7 +53,8 @@ impl Findings {
     pub fn evidence(&self) -> Evidence {
         let singles = self.weighed.iter().map(|it| (it.effect.to_owned(), it.evidence_nats));
         let pairs = self.pairs.iter().map(|it| (it.cause.clone(), it.evidence_nats));
-        singles.chain(pairs).chain([(UNKNOWN.to_owned(), self.unknown_nats())]).collect()
+        let blocks = self.blocks.iter().map(|it| (format!("{UNKNOWN}/{}", it.block), it.evidence_nats));
+        singles.chain(pairs).chain(blocks).collect()
     }
 
     /// The same, had an effect not been in the list.
@@ -66,17 +65,10 @@ impl Findings {
         evidence
     }
 
-    /// Logarithm of the mean evidence of the blocks.
-    fn unknown_nats(&self) -> f64 {
-        let top = self.blocks.iter().map(|it| it.evidence_nats).fold(f64::NEG_INFINITY, f64::max);
-        let sum = self.blocks.iter().fold(0.0, |sum, it| sum + exp(it.evidence_nats - top));
-        top + ln(sum / self.blocks.len().max(1) as f64)
-    }
-
-    /// The most evident block.
+    /// A block by its name.
     #[must_use]
-    pub fn block(&self) -> Option<&Fitted> {
-        self.blocks.iter().reduce(|a, b| if b.evidence_nats > a.evidence_nats { b } else { a })
+    pub fn block(&self, name: &str) -> Option<&Fitted> {
+        self.blocks.iter().find(|it| it.block == name)
     }
 
     /// The effects of a cause at their most likely sizes, with 90 % intervals; none of *unknown* and *none*.
@@ -106,12 +98,12 @@ fn pairs(judge: &Judge<'_>, variants: &[Variant], weighed: &[Weighed]) -> Vec<Pa
     let mut pairs: Vec<Pair> = Vec::new();
     for leader in leaders {
         let others: Vec<Variant> = variants.iter().filter(|it| it.about.name != leader.effect).cloned().collect();
-        for second in weigh(judge, &others, std::slice::from_ref(&leader.best)) {
+        for second in weigh(judge, &others, std::slice::from_ref(&leader.best), PASSING) {
             if second.evidence_nats < WORTH_A_SECOND {
                 continue;
             }
             let kinds = [leader.best.variant.clone()];
-            let again = weigh(judge, &kinds, std::slice::from_ref(&second.best));
+            let again = weigh(judge, &kinds, std::slice::from_ref(&second.best), CLOSE);
             let Some(first) = again.into_iter().next() else { continue };
             // Of the two orders in which the evidence can be added up, this one has both at their best.
             let evidence_nats = second.evidence_nats + leader.evidence_nats;

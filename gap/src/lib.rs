@@ -23,6 +23,7 @@ pub mod library;
 pub mod nominal;
 pub mod place;
 pub mod plant;
+pub mod practice;
 pub mod rivals;
 pub mod shape;
 pub mod view;

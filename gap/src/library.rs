@@ -3,7 +3,7 @@
 
 use asami_dataset::{Dataset, Seed};
 use asami_math::elementary::{exp, ln};
-use asami_sim::effect::Block;
+use asami_sim::effect::{Block, Place};
 use asami_sim::world;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -124,16 +124,17 @@ impl Entry {
             let numbers = fit(&base.shape, &runs?, &base.numbers, free);
             changes.push(numbers.iter().zip(&base.numbers).map(|(with, without)| with - without).collect());
         }
-        Ok(Self { kind: variant.name(), sizes, changes, smooth: variant.block() != Block::Timing })
+        Ok(Self { kind: variant.name(), sizes, changes, smooth: smooth(variant) })
     }
 
     /// Adds the change at a size to `numbers`. Logarithms of noise and log-odds run in straight lines always.
     pub fn add(&self, shape: &Shape, size: f64, numbers: &mut [f64]) {
-        let straight = self.straight(size);
-        let smooth = if self.smooth { self.parabola(size) } else { straight.clone() };
+        let means = if self.smooth { self.parabola(size) } else { self.straight(size, |size| size) };
+        // Log-odds of shares and logarithms of noise go rather with the size's own logarithm.
+        let rest = self.straight(size, ln);
         for group in ORDER {
-            let means = matches!(group, Numbers::Motion | Numbers::Size | Numbers::Bearing);
-            let weights = if means { &smooth } else { &straight };
+            let is_mean = matches!(group, Numbers::Motion | Numbers::Size | Numbers::Bearing);
+            let weights = if is_mean { &means } else { &rest };
             for (weight, change) in weights.iter().zip(&self.changes).filter(|(weight, _)| **weight != 0.0) {
                 let of = shape.range(group);
                 for (number, change) in numbers[of.clone()].iter_mut().zip(&change[of]) {
@@ -159,18 +160,27 @@ impl Entry {
         s.iter().map(weight).collect()
     }
 
-    /// Weights of the changes on straight lines from size to size, from none at all.
-    fn straight(&self, size: f64) -> Vec<f64> {
+    /// Weights of the changes on straight lines in `scale` of the size; below the least size, in the size itself
+    /// from none at all.
+    fn straight(&self, size: f64, scale: fn(f64) -> f64) -> Vec<f64> {
         let mut weights = vec![0.0; self.sizes.len()];
         let above = self.sizes.partition_point(|it| *it < size).min(self.sizes.len() - 1);
-        let low = above.checked_sub(1).map_or(0.0, |below| self.sizes[below]);
-        let share = (size - low) / (self.sizes[above] - low);
-        weights[above] = share;
-        if let Some(below) = above.checked_sub(1) {
-            weights[below] = 1.0 - share;
+        match above.checked_sub(1) {
+            None => weights[above] = size / self.sizes[above],
+            Some(below) => {
+                let [at, low, high] = [size, self.sizes[below], self.sizes[above]].map(scale);
+                weights[above] = (at - low) / (high - low);
+                weights[below] = 1.0 - weights[above];
+            }
         }
         weights
     }
+}
+
+/// Whether what an effect changes grows as a parabola in its size: delays cross from one age to the next, and what
+/// sensing does is seen so clearly that a parabola would smooth away more than it steadies.
+fn smooth(variant: &Variant) -> bool {
+    variant.block() != Block::Timing && !matches!(variant.place(), Place::Sensing | Place::Scene)
 }
 
 impl Library {

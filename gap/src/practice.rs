@@ -1,0 +1,81 @@
+//! Planted cases to learn from: what a diagnosis would say of logs whose cause is known.
+
+use asami_dataset::{Rng, Seed};
+use asami_sim::effect::About;
+use asami_sim::effects::catalogue;
+use rand::RngExt;
+
+use crate::blocks;
+use crate::calibration::{Case, NONE, UNKNOWN};
+use crate::findings::{Findings, absorbed_nats};
+use crate::judge::Judge;
+use crate::library::{Library, play};
+use crate::nominal::{CannotPlay, Nominal};
+use crate::plant::{Planted, Variant};
+
+/// Share of cases with nothing planted.
+const NOTHING: f64 = 0.3;
+/// Share of cases with two effects.
+const TWO: f64 = 0.1;
+
+/// How [`draw`] draws, in words.
+pub const LAW: &str = "none 30 %, one effect 60 %, two 10 %, each effect as likely; sizes log-uniform as `list effects` \
+                       shows, from half a decade below what a log of 150 s shows";
+
+/// None, one or two effects that fit a robot, at sizes by their laws.
+#[must_use]
+pub fn draw(robot: &str, without: &[String], rng: &mut Rng) -> Vec<Planted> {
+    let fits = |about: &&'static About| {
+        about.fits.contains(&robot) && !about.law.is_empty() && !without.iter().any(|name| name == about.name)
+    };
+    let mut effects: Vec<&'static About> = catalogue().into_iter().filter(fits).collect();
+    let share: f64 = rng.random();
+    let number = usize::from(share >= NOTHING) + usize::from(share >= 1.0 - TWO);
+    let mut planted = Vec::with_capacity(number);
+    for _ in 0..number.min(effects.len()) {
+        let about = effects.swap_remove(rng.random_range(0..effects.len()));
+        planted.extend(Planted::draw(about, rng));
+    }
+    planted
+}
+
+/// The name of a cause: its effects' names in alphabetical order, joined by `+`.
+#[must_use]
+pub fn cause(planted: &[Planted]) -> String {
+    let mut names: Vec<&str> = planted.iter().map(|it| it.variant.about.name).collect();
+    names.sort_unstable();
+    if names.is_empty() { NONE.to_owned() } else { names.join("+") }
+}
+
+/// Plants, plays and weighs one case: the case itself, and, of a case with one effect, the same had that effect been
+/// in nobody's list. Empty where the log says nothing.
+///
+/// # Errors
+/// If the world cannot be played.
+pub fn practise(
+    nominal: &dyn Nominal,
+    library: &Library,
+    variants: &[Variant],
+    seed: Seed,
+    until_s: f64,
+) -> Result<Vec<Case>, CannotPlay> {
+    let planted = draw(nominal.robot(), &[], &mut seed.stream("practice"));
+    let run = play(nominal, &planted, seed, until_s)?;
+    let Ok(judge) = Judge::new(&run.log, library) else { return Ok(Vec::new()) };
+    let findings = Findings::new(&judge, variants);
+    let truth = cause(&planted);
+    let absorbed_nats = (!planted.is_empty()).then(|| absorbed_nats(&judge, &found(&findings, &truth, &planted)));
+    let mut cases = vec![Case { truth, evidence: findings.evidence(), absorbed_nats }];
+    if let [only] = planted.as_slice() {
+        let truth = format!("{UNKNOWN}/{}", blocks::name(only.variant.block()));
+        let evidence = findings.evidence_without(&[only.variant.about.name]);
+        cases.push(Case { truth, evidence, absorbed_nats: None });
+    }
+    Ok(cases)
+}
+
+/// The true effects at the sizes found, as a diagnosis that names them would have them.
+fn found(findings: &Findings, truth: &str, planted: &[Planted]) -> Vec<Planted> {
+    let found: Vec<Planted> = findings.planted(truth).into_iter().map(|(planted, _)| planted).collect();
+    if found.is_empty() { planted.to_vec() } else { found }
+}
