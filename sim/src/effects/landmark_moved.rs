@@ -14,7 +14,7 @@ effect! {
     Scene, Sensor, fits ["aibo", "plain"],
     source "a beacon that was bumped into is off by a hand's breadth, one that was put back by hand by up to half a metre",
     drawn [
-        distance_m: Size { way: Either, least: 0.03, greatest: 0.8 }, towards_rad: Choice(&[0.0, FRAC_PI_2]),
+        distance_m: Size { way: Either, least: 0.01, greatest: 0.8 }, towards_rad: Choice(&[0.0, FRAC_PI_2]),
         number: Choice(&[0.0, 1.0, 2.0, 3.0]),
     ],
     {

@@ -9,7 +9,7 @@ effect! {
     "The lens bends what is off its axis inwards (barrel) or outwards.",
     Sensing, Sensor, fits ["aibo", "plain"],
     source "first radial coefficients of small lenses with 60 degrees of view are -0.4 to 0.1",
-    drawn [radial: Size { way: Either, least: 0.03, greatest: 0.4 }],
+    drawn [radial: Size { way: Either, least: 0.02, greatest: 0.4 }],
     {
         /// First radial coefficient: a tangent r off the axis is imaged at r (1 + radial r^2).
         radial: f64 = 0.0, "1", -0.5..=0.5;
