@@ -131,7 +131,9 @@ impl Ride {
         let reflectivity = |i: usize| town.surface.get(i).map_or(0.0, |surface| surface.reflectivity());
         let scenery = Scenery::new(&town.vertices, &town.triangles, reflectivity)
             .map_err(|error| CannotScan::Scenery(error.to_string()))?;
-        let velodyne = Velodyne::new(self.velodyne.clone(), self.unit(seed)).under(effects, seed);
+        let velodyne = Velodyne::new(self.velodyne.clone(), self.unit(seed))
+            .under(effects, seed)
+            .among(town.traffic(effects, seed));
         let firings = velodyne.scan(&scenery, &poses, seed).map_err(CannotScan::Track)?;
         dataset.log.firings = Some(Arc::new(firings));
         dataset.truth.survey = Some(Survey {

@@ -48,7 +48,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let poses = &poses[poses.partition_point(|pose| pose.t_s < SCANNED_S)..];
     let reflectivity = |i: usize| town.surface.get(i).map_or(0.0, |surface| surface.reflectivity());
     let scenery = Scenery::new(&town.vertices, &town.triangles, reflectivity)?;
-    let scan = |effects: &Effects| -> Result<Cells, Box<dyn Error>> { Ok(cells(&seen(effects, &scenery, poses)?)) };
+    let scan =
+        |effects: &Effects| -> Result<Cells, Box<dyn Error>> { Ok(cells(&seen(effects, &town, &scenery, poses)?)) };
     let plain = scan(&Effects::default())?;
     let [_, scatter_m, returns] = compare(&plain, &plain);
     println!("nominal: scatter within cells {scatter_m:.3} m, {returns:.0} returns");
@@ -63,8 +64,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn seen(effects: &Effects, scenery: &Scenery, poses: &[SensorPose]) -> Result<Firings, Box<dyn Error>> {
-    let velodyne = Velodyne::new(VelodyneConfig::default(), Unit::art()).under(effects, SEED);
+fn seen(effects: &Effects, town: &Town, scenery: &Scenery, poses: &[SensorPose]) -> Result<Firings, Box<dyn Error>> {
+    let velodyne =
+        Velodyne::new(VelodyneConfig::default(), Unit::art()).under(effects, SEED).among(town.traffic(effects, SEED));
     Ok(velodyne.scan(scenery, poses, SEED)?)
 }
 

@@ -145,6 +145,8 @@ pub struct SceneKnobs {
     /// A landmark, counted from the first and round again, and how far it stands from where it is said to, in world x
     /// and y.
     pub moved: Option<(usize, [f64; 2])>,
+    /// How many cars come the other way, for each km of the road.
+    pub traffic_per_km: f64,
 }
 
 /// A car.

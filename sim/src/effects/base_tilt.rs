@@ -9,7 +9,7 @@ effect! {
     "The laser scanner's base leans.",
     Sensing, Sensor, fits ["car"],
     source "brackets bolted on by hand are off by 0.3 to 2 degrees; calibrations of such mounts find pitch and roll to 0.1",
-    drawn [pitch_rad: Size { way: Either, least: 0.0006, greatest: 0.04 }, roll_rad: Same],
+    drawn [pitch_rad: Size { way: Either, least: 0.0003, greatest: 0.04 }, roll_rad: Same],
     {
         /// Its front is up by this.
         pitch_rad: f64 = 0.0, "rad", -0.1..=0.1;

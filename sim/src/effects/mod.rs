@@ -21,6 +21,7 @@ pub mod laser_origin_offsets;
 pub mod lens_distortion;
 pub mod missed_sightings;
 pub mod motor_weakness;
+pub mod moving_traffic;
 pub mod pan_offset;
 pub mod payload;
 pub mod range_bias;
@@ -148,4 +149,5 @@ effects! {
     spin_rate_error => SpinRateError,
     dropouts => Dropouts,
     sweep_motion => SweepMotion,
+    moving_traffic => MovingTraffic,
 }

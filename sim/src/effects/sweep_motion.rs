@@ -9,7 +9,7 @@ effect! {
     "Sweeps come with the scanner's motion during a turn taken out, or half taken out.",
     Sensing, Timing, fits ["car"],
     source "drivers that compensate motion take all of it out; speed times 0.1 s is smeared otherwise, half a metre at 5 m/s",
-    drawn [compensated: Size { way: Up, least: 0.003, greatest: 1.0 }],
+    drawn [compensated: Size { way: Up, least: 0.02, greatest: 1.0 }],
     {
         /// Share of the motion that is taken out.
         compensated: f64 = 0.0, "1", 0.0..=1.0;

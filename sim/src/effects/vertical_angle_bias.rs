@@ -12,7 +12,7 @@ effect! {
     "The lasers point higher or lower than the scanner's table says.",
     Sensing, Sensor, fits ["car"],
     source "tables of HDL-64E units and calibrations on site differ by 0.2 degrees in vertical angles",
-    drawn [bias_rad: Size { way: Up, least: 0.0001, greatest: 0.01 }, spread_rad: Same],
+    drawn [bias_rad: Size { way: Up, least: 0.00003, greatest: 0.01 }, spread_rad: Same],
     {
         /// All point higher by this.
         bias_rad: f64 = 0.0, "rad", -0.02..=0.02;

@@ -13,14 +13,14 @@ use asami_sim::world::{Drive, Seen, dataset, record};
 use rand::RngExt;
 
 use crate::catalogue::{BEGIN, LARGE, fitting, null, plant, planted};
-use crate::scans::{YARD, every_eighth, few_beams};
+use crate::scans::{YARD, every_eighth, few_beams, traffic};
 
 /// Long enough for five changes of the pedals.
 const DRIVE_S: f64 = 4.0;
 
 fn fits() -> Vec<&'static About> {
     let all = fitting("car");
-    assert!(all.len() >= 22, "the suite would pass on an empty list, not on {} effects", all.len());
+    assert!(all.len() >= 23, "the suite would pass on an empty list, not on {} effects", all.len());
     all
 }
 
@@ -34,7 +34,7 @@ fn drive(effects: &Effects, seed: u64) -> Dataset {
     let mut record = record(&mut car, &mut Feet { rng: seed.stream("drive"), current: None }, DRIVE_S);
     let poses = std::mem::take(&mut record.sensor_poses);
     let mut dataset = dataset(&car, record);
-    let velodyne = Velodyne::new(few_beams(), every_eighth()).under(effects, seed);
+    let velodyne = Velodyne::new(few_beams(), every_eighth()).under(effects, seed).among(traffic(effects, seed));
     dataset.log.firings = Some(Arc::new(velodyne.scan(&YARD, &poses, seed).expect("a drive")));
     dataset
 }

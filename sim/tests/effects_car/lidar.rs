@@ -1,9 +1,10 @@
 //! What follows from the effects on the Velodyne.
 
-use asami_dataset::Firings;
+use asami_dataset::{Firings, Seed};
 use asami_math::angle::wrap_rad;
 use asami_sim::effects::Effects;
-use asami_sim::sensors::velodyne::VelodyneConfig;
+use asami_sim::scenes::town::Traffic;
+use asami_sim::sensors::velodyne::{Velodyne, VelodyneConfig};
 use asami_sim::world::{Record, World};
 
 use crate::drives::{car, pedals, with};
@@ -198,4 +199,27 @@ fn compensated_sweeps_jump_from_turn_to_turn() {
     assert!(smeared.abs() < 0.01 && (whole - 0.1 * speed_m_per_s).abs() < 0.01, "{smeared} {whole}");
     let half = jump(&with("sweep_motion", "compensated", 0.5));
     assert!((half - 0.05 * speed_m_per_s).abs() < 0.01, "{half}");
+}
+
+/// A car that comes the other way passes: the street to the left is clear, then is not, then is again, for as long as a
+/// car of its length takes at the two speeds together; and the stationary side to the right never changes.
+#[test]
+fn oncoming_traffic_hides_the_other_side_for_as_long_as_it_takes_to_pass() {
+    // Straight, towards -y, 3 m to the left of the way; the one car starts within the first half of 200 m.
+    let way = (0..200).map(|metre| [-3.0, 100.0 - f64::from(metre), 0.0]).collect();
+    let traffic = Traffic::new(way, 1.0, &mut Seed(1000).stream("effect/moving_traffic"));
+    let velodyne = Velodyne::new(exact(), fan(&[-20.0])).among(traffic);
+    let speed_m_per_s = 5.0;
+    let firings = velodyne.scan(&boxes(&[]), &along_y(-30.0, speed_m_per_s, 20.0), Seed(1000)).expect("a track");
+    let ground_m = 2.0 / 20.0_f64.to_radians().sin();
+    let hidden = |bearing_rad: f64| -> Vec<f64> {
+        let across = |i: &usize| wrap_rad(firings.theta_r_rad(*i).expect("a firing") - bearing_rad).abs() < 0.02;
+        let nearer = |i: &usize| firings.range_m(0, *i).expect("the ground") < ground_m - 0.1;
+        (0..firings.len()).filter(across).filter(nearer).map(|i| firings.t_s[i]).collect()
+    };
+    let left_s = hidden(std::f64::consts::FRAC_PI_2);
+    let (first_s, last_s) = (left_s[0], left_s[left_s.len() - 1]);
+    // 4.2 m at 10 m/s, seen ten times a second.
+    assert!(first_s > 0.5 && last_s < 19.5 && (0.2..0.55).contains(&(last_s - first_s)), "{first_s} {last_s}");
+    assert!(hidden(-std::f64::consts::FRAC_PI_2).is_empty());
 }

@@ -4,6 +4,7 @@ use std::sync::LazyLock;
 
 use asami_dataset::{Firings, Seed};
 use asami_sim::effects::Effects;
+use asami_sim::scenes::town::Traffic;
 use asami_sim::sensors::velodyne::{Laser, Scenery, SensorPose, Unit, Velodyne, VelodyneConfig};
 use nalgebra::UnitQuaternion;
 
@@ -33,6 +34,16 @@ pub fn boxes(boxes: &[Corners]) -> Scenery {
         }
     }
     Scenery::new(&vertices, &triangles, |_| 0.5).expect("a mesh")
+}
+
+/// As many cars as the effects say, on a ring of 200 m about the origin.
+pub fn traffic(effects: &Effects, seed: Seed) -> Traffic {
+    let per_km = effects.moving_traffic.as_ref().map_or(0.0, |it| it.per_km);
+    let ring = (0..200).map(|metre| {
+        let (sin, cos) = (f64::from(metre) * std::f64::consts::TAU / 200.0).sin_cos();
+        [31.8 * cos, 31.8 * sin, 0.0]
+    });
+    Traffic::new(ring.collect(), per_km, &mut seed.stream("effect/moving_traffic"))
 }
 
 /// Forty firings a turn.

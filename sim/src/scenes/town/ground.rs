@@ -25,6 +25,7 @@ const DROPPED: f64 = 0.2;
 pub(super) type Rectangle = [f64; 4];
 
 /// What shapes the ground.
+#[derive(Clone, Debug)]
 pub(super) struct Terrain {
     hills: Waves,
     bumps: Waves,
@@ -77,6 +78,11 @@ impl Terrain {
     /// Height of a parked car's or a street lamp's foot on the roadway beside the kerb.
     pub fn roadside_m(&self, [x_m, y_m]: [f64; 2]) -> f64 {
         self.level_m(x_m, y_m) + 0.3 * CROWN_M
+    }
+
+    /// Height of the roadway near its middle.
+    pub fn roadway_m(&self, [x_m, y_m]: [f64; 2]) -> f64 {
+        self.level_m(x_m, y_m) + CROWN_M
     }
 
     /// From the kerb's foot to the gardens.

@@ -10,13 +10,17 @@ mod mesh;
 mod parked;
 mod route;
 mod terrain;
+mod traffic;
 
 use asami_dataset::Seed;
 use asami_dataset::parameters::{Fault, Parameters};
 
 pub use route::{Route, Waypoint};
+pub use traffic::Traffic;
 
 use super::solid::{Ground, Solid};
+use crate::effects::Effects;
+use crate::knobs::Knobs;
 use block::Block;
 use mesh::{Mesh, Place};
 use terrain::between;
@@ -122,7 +126,13 @@ pub struct Town {
     pub solids: Vec<Solid>,
     /// The ground's vertices and triangles come first: how many there are.
     ground: [usize; 2],
+    terrain: ground::Terrain,
+    /// How far the route runs to the right of the middle of the road.
+    lane_m: f64,
 }
+
+/// Cars that come the other way drive this far to their right of the middle of the road.
+const ONCOMING_M: f64 = 1.1;
 
 /// Blocks along either side of the town. The round goes about all but the outer ones.
 const BLOCKS: usize = 4;
@@ -166,7 +176,24 @@ impl Town {
             solids.push(block::post(&place, 0.04, 2.5));
         }
         let Mesh { vertices, triangles, surface, .. } = mesh;
-        Self { vertices, triangles, surface, route, solids, ground }
+        Self { vertices, triangles, surface, route, solids, ground, terrain, lane_m: config.lane_m }
+    }
+
+    /// Cars that go round the route the other way, between those who follow it and those who park, as many as the
+    /// effects say.
+    #[must_use]
+    pub fn traffic(&self, effects: &Effects, seed: Seed) -> Traffic {
+        let mut knobs = Knobs::default();
+        effects.iter().for_each(|effect| effect.tune(0.0, &mut knobs));
+        let aside_m = self.lane_m + ONCOMING_M;
+        let place = |metre: usize| {
+            let at = self.route.at(-(metre as f64));
+            let [x, y] = at.right();
+            let (x_m, y_m) = (at.x_m - aside_m * x, at.y_m - aside_m * y);
+            [x_m, y_m, self.terrain.roadway_m([x_m, y_m])]
+        };
+        let way = (0..self.route.length_m() as usize).map(place).collect();
+        Traffic::new(way, knobs.scene.traffic_per_km, &mut seed.stream("effect/moving_traffic"))
     }
 
     /// What wheels and bodies meet.

@@ -5,6 +5,7 @@
 
 mod art;
 mod beams;
+mod movers;
 mod pose;
 mod returns;
 mod scan;

@@ -32,6 +32,20 @@ pub(super) struct Readings {
 /// Draws for a bundle: 16 bits a lane.
 pub(super) type Draws = [u16; Bundle::RAYS];
 
+/// Reflectivity times the cosine of incidence, lane by lane.
+pub(super) type Light = [f32; Bundle::RAYS];
+
+/// The light of what a bundle's beams met in a scene.
+pub(super) fn light(scenery: &Scenery, bundle: &Bundle, hits: &Hits) -> Light {
+    let mut light = [0.0_f32; Bundle::RAYS];
+    let [dx, dy, dz] = &bundle.direction;
+    for (lane, light) in light.iter_mut().enumerate() {
+        let [x, y, z] = scenery.brightness(hits.triangle[lane]);
+        *light = (x * dx[lane] + y * dy[lane] + z * dz[lane]).abs();
+    }
+    light
+}
+
 /// What each lane of a bundle measures too much, in metres.
 pub(super) type Biases = [f32; Bundle::RAYS];
 
@@ -62,21 +76,8 @@ impl Meter {
     /// Measures what a bundle's beams met. Light that comes back is reflectivity times the cosine of incidence, over the range squared: where it is
     /// as much as a white wall's at the half-lost range, every other return is seen; the odds of being seen go with its square.
     /// `biases_m` is what each lane measures too much.
-    pub fn read(
-        &self,
-        scenery: &Scenery,
-        bundle: &Bundle,
-        hits: &Hits,
-        draws: [&Draws; 2],
-        biases_m: &Biases,
-    ) -> Readings {
+    pub fn read(&self, hits: &Hits, brightness: &Light, draws: [&Draws; 2], biases_m: &Biases) -> Readings {
         let [noise, chance] = draws;
-        let mut brightness = [0.0_f32; Bundle::RAYS];
-        let [dx, dy, dz] = &bundle.direction;
-        for (lane, brightness) in brightness.iter_mut().enumerate() {
-            let [x, y, z] = scenery.brightness(hits.triangle[lane]);
-            *brightness = (x * dx[lane] + y * dy[lane] + z * dz[lane]).abs();
-        }
         let mut error_m = [0.0_f32; Bundle::RAYS];
         for ((error_m, draw), bias_m) in error_m.iter_mut().zip(noise).zip(biases_m) {
             let half = self.errors_m[usize::from(draw & 0x7fff)];

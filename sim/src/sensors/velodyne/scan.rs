@@ -5,12 +5,14 @@ use asami_raycast::{Bundle, Hits};
 use rayon::prelude::*;
 
 use super::beams::{self, Base, Clock, FIRINGS, Heads, LASERS, Mount, RUN};
-use super::returns::{Biases, Meter, Readings, draw};
+use super::movers::meet;
+use super::returns::{Biases, Meter, Readings, draw, light};
 use super::track::Track;
 use super::{Scenery, SensorPose, TrackError, Unit, VelodyneConfig};
 use crate::effect::Stage;
 use crate::effects::Effects;
 use crate::knobs::{Knobs, LaserKnobs, VelodyneKnobs};
+use crate::scenes::town::Traffic;
 
 /// Firings that are worked off, and for which random streams are named, together.
 const BLOCK: usize = 512;
@@ -26,6 +28,7 @@ pub struct Velodyne {
     mounts: Vec<Mount>,
     /// For every [`LASERS`] of them.
     biases: Vec<Biases>,
+    traffic: Traffic,
 }
 
 /// What all blocks of a drive share.
@@ -49,7 +52,14 @@ impl Velodyne {
     /// A scanner with the unit's lasers.
     #[must_use]
     pub fn new(config: VelodyneConfig, unit: Unit) -> Self {
-        let none = Velodyne { config, unit, knobs: VelodyneKnobs::default(), mounts: Vec::new(), biases: Vec::new() };
+        let none = Velodyne {
+            config,
+            unit,
+            knobs: VelodyneKnobs::default(),
+            mounts: Vec::new(),
+            biases: Vec::new(),
+            traffic: Traffic::default(),
+        };
         none.departing(VelodyneKnobs::default(), &[])
     }
 
@@ -68,12 +78,18 @@ impl Velodyne {
     }
 
     fn departing(self, knobs: VelodyneKnobs, lasers: &[LaserKnobs]) -> Self {
-        let Self { config, unit, .. } = self;
+        let Self { config, unit, traffic, .. } = self;
         let mounts = beams::mounts(&unit, &config, &knobs, lasers);
         let bias_m = |i: usize| lasers.get(i).map_or(0.0, |laser| laser.range_m as f32);
         let bundle = |first: usize| std::array::from_fn(|lane| bias_m(first + lane / RUN % LASERS));
         let biases = (0..mounts.len()).step_by(LASERS).map(bundle).collect();
-        Self { config, unit, knobs, mounts, biases }
+        Self { config, unit, knobs, mounts, biases, traffic }
+    }
+
+    /// The same scanner with cars about it.
+    #[must_use]
+    pub fn among(self, traffic: Traffic) -> Self {
+        Self { traffic, ..self }
     }
 
     /// What the lasers' angles are counted from, plus the angles: theta_l + theta_b of each laser, by increasing
@@ -205,10 +221,18 @@ impl Velodyne {
         let mut noise = seed.stream(&format!("velodyne/range/{block}"));
         let mut chance = seed.stream(&format!("velodyne/loss/{block}"));
         let mut hits = Hits::none();
+        let (mut solids, mut solids_at) = (Vec::new(), None);
         self.aim_block(&self.heads(track, clock, block), block, |bundle, laser, at| {
             scenery.caster().cast(bundle, meter.reach_m(), &mut hits);
+            let mut light = light(scenery, bundle, &hits);
+            if !self.traffic.is_empty() {
+                if solids_at != Some(at) {
+                    (solids, solids_at) = (self.traffic.solids(clock.seen_s(at)), Some(at));
+                }
+                meet(&solids, bundle, &mut hits, &mut light);
+            }
             let draws = [&draw(&mut noise), &draw(&mut chance)];
-            let readings = meter.read(scenery, bundle, &hits, draws, &self.biases[laser / LASERS]);
+            let readings = meter.read(&hits, &light, draws, &self.biases[laser / LASERS]);
             for (slot, (mount, row)) in self.mounts.iter().zip(&mut *rows).skip(laser).take(LASERS).enumerate() {
                 row.take(&readings, slot, at + mount.lag);
             }
