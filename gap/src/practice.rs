@@ -6,8 +6,9 @@ use asami_sim::effects::catalogue;
 use rand::RngExt;
 
 use crate::blocks;
-use crate::calibration::{Case, NONE, UNKNOWN};
+use crate::calibration::{Case, Evidence, NONE, UNKNOWN};
 use crate::findings::{Findings, absorbed_nats};
+use crate::groups::SPLIT_NATS;
 use crate::judge::Judge;
 use crate::library::{Library, play};
 use crate::nominal::{CannotPlay, Nominal};
@@ -67,11 +68,22 @@ pub fn practise(
     let absorbed_nats = (!planted.is_empty()).then(|| absorbed_nats(&judge, &found(&findings, &truth, &planted)));
     let mut cases = vec![Case { truth, evidence: findings.evidence(), absorbed_nats }];
     if let [only] = planted.as_slice() {
+        let name = only.variant.about.name;
         let truth = format!("{UNKNOWN}/{}", blocks::name(only.variant.block()));
-        let evidence = findings.evidence_without(&[only.variant.about.name]);
+        let evidence = findings.evidence_without(&[name]);
+        if has_alias(cases[0].evidence.get(name).copied().unwrap_or(0.0), &evidence) {
+            return Ok(cases);
+        }
         cases.push(Case { truth, evidence, absorbed_nats: None });
     }
     Ok(cases)
+}
+
+/// Whether an effect left in the list explains all that the one taken out does: then it is no mistake to name it.
+fn has_alias(truth_nats: f64, rest: &Evidence) -> bool {
+    let named = rest.iter().filter(|(cause, _)| !cause.starts_with(UNKNOWN));
+    let best = named.map(|(_, nats)| *nats).fold(0.0, f64::max);
+    truth_nats > 0.0 && best > truth_nats - SPLIT_NATS.max(0.1 * truth_nats)
 }
 
 /// The true effects at the sizes found, as a diagnosis that names them would have them.
