@@ -9,7 +9,7 @@ effect! {
     "The whole town lies on a slope.",
     Dynamics, StaticMotion, fits ["car"],
     source "residential streets rise by 0 to 8 %, in hilly towns by up to 20 %",
-    drawn [y_slope: Size { way: Either, least: 0.0005, greatest: 0.08 }],
+    drawn [y_slope: Size { way: Either, least: 0.0005, greatest: 0.06 }],
     {
         /// Rise for each metre towards world +x.
         x_slope: f64 = 0.0, "1", -0.2..=0.2;
