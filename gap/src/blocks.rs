@@ -42,7 +42,7 @@ pub struct Fitted {
 }
 
 /// Steps of Newton's method for a block that a log speaks for; the others get one.
-const ITERATIONS: usize = 3;
+const ITERATIONS: usize = 4;
 /// Evidence from which on a block is worth more than one step, in nats.
 const SPEAKS: f64 = 2.0;
 /// Differences are taken over this share of a prior standard deviation.
@@ -118,17 +118,24 @@ impl On<'_> {
             let Some((step, ln_det)) = newton(&b[range.clone()], &of_block) else { break };
             let objective = |terms: &[f64], b: &[f64]| sum(terms) - 0.5 * b.iter().fold(0.0, |sum, b| sum + b * b);
             let here = objective(&terms, &b);
-            // Halved until it is no longer a step down.
-            let better = [1.0, 0.5, 0.25, 0.1].into_iter().find_map(|share| {
+            let along = |share: f64| {
                 let mut there = b.clone();
                 for (b, step) in there[range.clone()].iter_mut().zip(&step) {
                     *b += share * step;
                 }
                 let terms = self.likely(&there);
-                (objective(&terms, &there) > here).then_some((there, terms))
-            });
+                (objective(&terms, &there), there, terms)
+            };
+            // Shortened until it is no longer a step down; lengthened for as long as that helps, since logarithms of
+            // noise are far from quadratic.
+            let mut better = [1.0, 0.5, 0.2, 0.05].into_iter().map(along).find(|(found, _, _)| *found > here);
+            for longer in [2.0, 4.0].map(along) {
+                if better.as_ref().is_some_and(|(found, _, _)| longer.0 > *found) {
+                    better = Some(longer);
+                }
+            }
             let moved = better.is_some();
-            if let Some((there, of_there)) = better {
+            if let Some((_, there, of_there)) = better {
                 (b, terms) = (there, of_there);
             }
             let found = objective(&terms, &b);
@@ -290,8 +297,8 @@ impl Making<'_> {
         let made = [
             all(Numbers::SizeNoise, 0.3),
             all(Numbers::BearingNoise, 0.3),
-            all(Numbers::False, 2.0),
-            all(Numbers::Detection, 0.5),
+            all(Numbers::False, 4.0),
+            all(Numbers::Detection, 1.0),
         ];
         for changes in made {
             self.push(changes);

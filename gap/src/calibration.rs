@@ -14,6 +14,8 @@ use serde::{Deserialize, Serialize};
 pub const UNKNOWN: &str = "unknown";
 /// No cause.
 pub const NONE: &str = "none";
+/// The class of all causes of several effects.
+const SEVERAL: &str = "+";
 
 /// Evidence of causes over *none*, by cause: an effect, several joined by `+`, or `unknown/` and a flexible block.
 pub type Evidence = BTreeMap<String, f64>;
@@ -140,12 +142,17 @@ impl Calibration {
     }
 
     fn beta(&self, cause: &str) -> f64 {
-        cause.split('+').map(|effect| self.beta.get(effect).copied().unwrap_or(0.0)).sum()
+        self.beta.get(class(cause)).copied().unwrap_or(0.0)
     }
 }
 
 fn is_unknown(cause: &str) -> bool {
     cause.starts_with(UNKNOWN)
+}
+
+/// What shares one addend: all causes of several effects do.
+fn class(cause: &str) -> &str {
+    if cause.contains('+') { SEVERAL } else { cause }
 }
 
 /// One effect, not several and not *unknown*.
@@ -184,8 +191,8 @@ const BETA_SD: f64 = 1.5;
 /// Gradient descent on the penalised log-loss, by Adam (Kingma and Ba 2015).
 fn fit(cases: &[&Case]) -> Calibration {
     let causes: Vec<String> = {
-        let named = cases.iter().flat_map(|case| case.evidence.keys()).filter(|cause| !cause.contains('+'));
-        let all: std::collections::BTreeSet<&str> = named.map(String::as_str).chain([NONE]).collect();
+        let classes = cases.iter().flat_map(|case| case.evidence.keys()).map(|cause| class(cause));
+        let all: std::collections::BTreeSet<&str> = classes.chain([NONE]).collect();
         all.into_iter().map(str::to_owned).collect()
     };
     // ln tau, ln of the fade's scale, then the causes'.
@@ -223,10 +230,8 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
             let nats = case.evidence.get(cause).copied().unwrap_or(0.0).clamp(-1e6, 1e9);
             slope[0] += off * nats * calibration.tau / fading;
             slope[1] -= off * nats * calibration.tau * calibration.fade * top / (fading * fading);
-            for effect in cause.split('+') {
-                if let Ok(i) = causes.binary_search_by(|it| it.as_str().cmp(effect)) {
-                    slope[2 + i] += off;
-                }
+            if let Ok(i) = causes.binary_search_by(|it| it.as_str().cmp(class(cause))) {
+                slope[2 + i] += off;
             }
         }
     }

@@ -59,7 +59,7 @@ impl Diagnoser<'_> {
         let best = ranked.iter().find(named).map(|(cause, _)| (*cause).clone());
         let planted: Vec<Planted> =
             best.iter().flat_map(|best| findings.planted(best)).map(|(planted, _)| planted).collect();
-        let adequacy_p = self.adequacy(&judge, &planted, &probabilities);
+        let adequacy_p = self.adequacy(&findings, &probabilities, best.as_deref());
         let verdict = verdict(&probabilities, &set90, &cannot_tell_apart, adequacy_p);
         let block = self.calibration.block(&evidence);
         let fitted = block.as_deref().and_then(|block| findings.block(block));
@@ -85,12 +85,12 @@ impl Diagnoser<'_> {
     }
 
     /// How often a planted truth is exceeded by a flexible block as far as the best named model is here.
-    fn adequacy(&self, judge: &Judge<'_>, planted: &[Planted], probabilities: &BTreeMap<String, f64>) -> Option<f64> {
+    fn adequacy(&self, findings: &Findings, probabilities: &BTreeMap<String, f64>, best: Option<&str>) -> Option<f64> {
         let none = probabilities.get(NONE).copied().unwrap_or(0.0);
-        if planted.is_empty() || none >= NOT_NONE {
+        if none >= NOT_NONE || best != Some(findings.leader.as_str()) {
             return None;
         }
-        self.calibration.adequacy_p(absorbed_nats(judge, planted))
+        self.calibration.adequacy_p(absorbed_nats(&findings.blocks))
     }
 
     /// By `NAME.PARAM`, over the kinds of each effect the easiest to see.

@@ -11,6 +11,7 @@ use asami_math::elementary::{atan2, exp, hypot, ln, sin_cos};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
 use crate::columns::Group;
+use crate::memory::{Memory, Recall};
 use crate::shape::{Numbers, Shape, Sight, speed_class};
 use crate::view::{Seen, View};
 
@@ -32,7 +33,8 @@ pub struct Innovation {
     pub seen: usize,
     /// Size less its prediction, in pixels or metres; bearing less its prediction, in radians.
     pub plain: [f64; 2],
-    /// Whitened: of variance 1 and independent of each other, the size's first.
+    /// Whitened, what was to be expected after those before it taken away: of variance 1 and independent of each
+    /// other, the size's first.
     pub white: [f64; 2],
     /// Logarithms of the scales by which they were whitened.
     pub ln_scale: [f64; 2],
@@ -81,57 +83,24 @@ struct Ready<'a> {
     detection: Vec<[f64; 2]>,
     size_columns: Vec<f64>,
     bearing_columns: Vec<f64>,
+    recall: Recall,
 }
 
-/// Walks through steps `of` of a log from a belief, and leaves the belief as it stands afterwards.
+/// Walks through steps `of` of a log from a belief, and leaves the belief as it stands afterwards. What is missed
+/// counts where `counted` says so.
 #[must_use]
 pub fn filter(
     shape: &Shape,
     numbers: &[f64],
-    view: &View,
-    of: std::ops::Range<usize>,
-    belief: &mut Belief,
-) -> Filtered {
-    filter_by(shape, [numbers, numbers], |_| false, view, of, belief, UNCOUNTED)
-}
-
-/// Which landmarks' being seen or missed says something: those that lie two standard deviations of the pose away
-/// from any edge of what is seen. At an edge, misses follow from one another, and would be counted many times.
-#[must_use]
-pub fn counted(shape: &Shape, numbers: &[f64], view: &View, begin: usize, belief: &mut Belief) -> Counted {
-    let landmarks = view.landmarks.len();
-    let mut counted = vec![false; view.steps.len() * landmarks];
-    let mut ready = Ready::new(shape, numbers);
-    let mut unread = Vec::new();
-    for i in begin..view.steps.len() {
-        if view.steps[i].dt_s > 0.0 {
-            ready.predict(view, i, belief);
-        }
-        for landmark in 0..landmarks {
-            counted[i * landmarks + landmark] = view.misses && ready.is_clear(view, i, landmark, belief);
-        }
-        for seen in view.steps[i].seen.clone() {
-            ready.update(view, i, seen, belief, &mut unread);
-        }
-    }
-    counted
-}
-
-/// The same with a second response in the steps for which `second` says so.
-#[must_use]
-pub fn filter_by(
-    shape: &Shape,
-    numbers: [&[f64]; 2],
-    second: impl Fn(usize) -> bool,
+    memory: Memory,
     view: &View,
     of: std::ops::Range<usize>,
     belief: &mut Belief,
     counted: &[bool],
 ) -> Filtered {
-    let mut both = numbers.map(|numbers| Ready::new(shape, numbers));
+    let mut ready = Ready::new(shape, numbers, memory, view);
     let mut filtered = Filtered { visits: vec![0.0; shape.width(Numbers::Detection)], ..Filtered::default() };
     for i in of {
-        let ready = &mut both[usize::from(second(i))];
         if view.steps[i].dt_s > 0.0 {
             ready.predict(view, i, belief);
         }
@@ -150,8 +119,30 @@ pub fn filter_by(
     filtered
 }
 
+/// Which landmarks' being seen or missed says something: those that lie two standard deviations of the pose away
+/// from any edge of what is seen. At an edge, misses follow from one another, and would be counted many times.
+#[must_use]
+pub fn counted(shape: &Shape, numbers: &[f64], view: &View, begin: usize, belief: &mut Belief) -> Counted {
+    let landmarks = view.landmarks.len();
+    let mut counted = vec![false; view.steps.len() * landmarks];
+    let mut ready = Ready::new(shape, numbers, Memory::default(), view);
+    let mut unread = Vec::new();
+    for i in begin..view.steps.len() {
+        if view.steps[i].dt_s > 0.0 {
+            ready.predict(view, i, belief);
+        }
+        for landmark in 0..landmarks {
+            counted[i * landmarks + landmark] = view.misses && ready.is_clear(view, i, landmark, belief);
+        }
+        for seen in view.steps[i].seen.clone() {
+            ready.update(view, i, seen, belief, &mut unread);
+        }
+    }
+    counted
+}
+
 impl<'a> Ready<'a> {
-    fn new(shape: &'a Shape, numbers: &'a [f64]) -> Self {
+    fn new(shape: &'a Shape, numbers: &'a [f64], memory: Memory, view: &View) -> Self {
         let part = |group| &numbers[shape.range(group)];
         let logistic = |x: f64| 1.0 / (1.0 + exp(-x));
         let squares = |group| part(group).iter().map(|it| exp(2.0 * it)).collect::<Vec<_>>();
@@ -170,6 +161,7 @@ impl<'a> Ready<'a> {
             detection: part(Numbers::Detection).iter().map(both).collect(),
             size_columns: vec![0.0; shape.width(Numbers::Size)],
             bearing_columns: vec![0.0; shape.width(Numbers::Bearing)],
+            recall: Recall::new(memory, view.landmarks.len()),
         }
     }
 
@@ -281,15 +273,18 @@ impl<'a> Ready<'a> {
             return f64::NEG_INFINITY;
         };
         let l = cholesky.l();
-        let white = Vector2::new(plain.x / l[(0, 0)], (plain.y - l[(1, 0)] * plain.x / l[(0, 0)]) / l[(1, 1)]);
-        let density = self.ln_genuine - 0.5 * white.norm_squared() - ln(TAU * l[(0, 0)] * l[(1, 1)]);
+        let now = [plain.x / l[(0, 0)], (plain.y - l[(1, 0)] * plain.x / l[(0, 0)]) / l[(1, 1)]];
+        let (white, scales) = self.recall.fresh(landmark, i, now);
+        let ln_scale = [ln(l[(0, 0)]) + scales[0], ln(l[(1, 1)]) + scales[1]];
+        let squares = white[0] * white[0] + white[1] * white[1];
+        let density = self.ln_genuine - 0.5 * squares - ln(TAU) - ln_scale[0] - ln_scale[1];
         let elsewhere = ln(self.false_share / (self.shape.size_span * TAU));
         let greater = density.max(elsewhere);
         let log_likelihood = greater + ln(exp(density - greater) + exp(elsewhere - greater));
         let genuine = exp(density - log_likelihood);
-        let ln_scale = [ln(l[(0, 0)]), ln(l[(1, 1)])];
-        into.push(Innovation { step: i, seen, plain: plain.into(), white: white.into(), ln_scale, genuine });
+        into.push(Innovation { step: i, seen, plain: plain.into(), white, ln_scale, genuine });
         if genuine > 0.5 {
+            self.recall.take(landmark, i, now);
             let gain = belief.covariance * h.transpose() * cholesky.inverse();
             belief.mean += gain * plain;
             belief.mean.z = wrap_rad(belief.mean.z);

@@ -1,11 +1,15 @@
 //! All that a log says of every cause: single effects, two at once, and the unknown.
 
+use asami_math::elementary::ln;
+
 use crate::blocks::{self, Fitted};
-use crate::calibration::{Evidence, UNKNOWN};
+use crate::calibration::{Evidence, NONE, UNKNOWN};
 use crate::evidence::{CLOSE, PASSING, Weighed, weigh};
 use crate::judge::Judge;
 use crate::plant::{Planted, Variant};
 
+/// Prior odds of a second effect beside the first.
+const PRIOR_OF_A_SECOND: f64 = 0.1;
 /// Evidence from which on an effect may have another beside it, in nats.
 const WORTH_A_SECOND: f64 = 3.0;
 /// Effects so close to the leader are each tried with every other beside it.
@@ -33,7 +37,9 @@ pub struct Findings {
     pub weighed: Vec<Weighed>,
     /// Two at once, the most evident first.
     pub pairs: Vec<Pair>,
-    /// Flexible blocks, in the order of [`blocks::BLOCKS`].
+    /// The most evident cause in the list, [`NONE`] where nothing speaks for any.
+    pub leader: String,
+    /// Flexible blocks on top of the leader, in the order of [`blocks::BLOCKS`].
     pub blocks: Vec<Fitted>,
 }
 
@@ -43,9 +49,36 @@ impl Findings {
     pub fn new(judge: &Judge<'_>, variants: &[Variant]) -> Self {
         let mut weighed = weigh(judge, variants, &[], CLOSE);
         weighed.sort_by(|a, b| b.evidence_nats.total_cmp(&a.evidence_nats));
-        let blocks = blocks::fit(judge, &judge.library.base.numbers, &|_| true);
         let pairs = pairs(judge, variants, &weighed);
-        Self { weighed, pairs, blocks }
+        Self::of(judge, weighed, pairs)
+    }
+
+    /// The same, had some effects not been in the list.
+    #[must_use]
+    pub fn without(&self, judge: &Judge<'_>, effects: &[&str]) -> Self {
+        let stays = |cause: &str| !cause.split('+').any(|effect| effects.contains(&effect));
+        let weighed = self.weighed.iter().filter(|it| stays(it.effect)).cloned().collect();
+        let pairs = self.pairs.iter().filter(|it| stays(&it.cause)).cloned().collect();
+        Self::of(judge, weighed, pairs)
+    }
+
+    /// A cause in nobody's list must explain what the best in the list leaves.
+    fn of(judge: &Judge<'_>, weighed: Vec<Weighed>, pairs: Vec<Pair>) -> Self {
+        let single = weighed.first().map(|it| (it.evidence_nats, it.effect.to_owned()));
+        let pair = pairs.first().map(|it| (it.evidence_nats + ln(PRIOR_OF_A_SECOND), it.cause.clone()));
+        let best = single.into_iter().chain(pair).reduce(|a, b| if b.0 > a.0 { b } else { a });
+        let leader = best.filter(|(nats, _)| *nats > WORTH_A_SECOND).map_or_else(|| NONE.to_owned(), |(_, it)| it);
+        let mut findings = Self { weighed, pairs, leader, blocks: Vec::new() };
+        let planted: Vec<Planted> = findings.planted(&findings.leader).into_iter().map(|(it, _)| it).collect();
+        findings.blocks = blocks::fit(judge, &judge.library.numbers(&planted), &|_| true);
+        findings
+    }
+
+    /// Logarithm of the leader's evidence over that of *none*.
+    fn leader_nats(&self) -> f64 {
+        let single = self.weighed.iter().find(|it| it.effect == self.leader).map(|it| it.evidence_nats);
+        let pair = self.pairs.iter().find(|it| it.cause == self.leader).map(|it| it.evidence_nats);
+        single.or(pair).unwrap_or(0.0)
     }
 
     /// Evidence by cause.
@@ -53,16 +86,9 @@ impl Findings {
     pub fn evidence(&self) -> Evidence {
         let singles = self.weighed.iter().map(|it| (it.effect.to_owned(), it.evidence_nats));
         let pairs = self.pairs.iter().map(|it| (it.cause.clone(), it.evidence_nats));
-        let blocks = self.blocks.iter().map(|it| (format!("{UNKNOWN}/{}", it.block), it.evidence_nats));
+        let top = self.leader_nats();
+        let blocks = self.blocks.iter().map(|it| (format!("{UNKNOWN}/{}", it.block), top + it.evidence_nats));
         singles.chain(pairs).chain(blocks).collect()
-    }
-
-    /// The same, had an effect not been in the list.
-    #[must_use]
-    pub fn evidence_without(&self, effects: &[&str]) -> Evidence {
-        let mut evidence = self.evidence();
-        evidence.retain(|cause, _| !cause.split('+').any(|effect| effects.contains(&effect)));
-        evidence
     }
 
     /// A block by its name.
@@ -82,11 +108,10 @@ impl Findings {
     }
 }
 
-/// By how much the most evident block on top of these effects is more probable than they alone, in nats.
+/// By how much the most evident of some blocks is more probable than what it was put on top of, in nats.
 #[must_use]
-pub fn absorbed_nats(judge: &Judge<'_>, planted: &[Planted]) -> f64 {
-    let fitted = blocks::fit(judge, &judge.library.numbers(planted), &|_| true);
-    fitted.iter().map(|it| it.evidence_nats).fold(f64::NEG_INFINITY, f64::max)
+pub fn absorbed_nats(blocks: &[Fitted]) -> f64 {
+    blocks.iter().map(|it| it.evidence_nats).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Every effect beside each of the leaders, and the leader's size found again.

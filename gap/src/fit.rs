@@ -14,6 +14,8 @@ use crate::view::View;
 const BLOCK_S: f64 = 1.0;
 /// Sightings further out than so many standard deviations are of something else.
 const OUTLYING: f64 = 5.0;
+/// Least share of sightings of something else: none seen in a library's runs is no proof that there are none.
+const LEAST_FALSE: f64 = 3e-4;
 /// Prior sightings of each bin of detection, at the share of the response that the fit starts from.
 const PRIOR_SIGHTINGS: f64 = 20.0;
 /// Prior standard deviation of every column's number, in the unit of what it makes.
@@ -319,7 +321,7 @@ fn sensor(shape: &Shape, runs: &[Run], robust: bool, numbers: &mut [f64]) {
         }
     }
     let outlying = left.iter().filter(|(band, _)| *band == usize::MAX).count() as f64;
-    let share = (outlying + 0.1) / (left.len() as f64 + 100.0);
+    let share = (outlying / (left.len() as f64 + 1.0)).max(LEAST_FALSE);
     numbers[shape.range(Numbers::False).start] = ln(share / (1.0 - share));
 }
 

@@ -5,8 +5,9 @@ use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::filter::{Belief, Counted, Filtered, counted, filter, filter_by};
+use crate::filter::{Belief, Counted, Filtered, UNCOUNTED, counted, filter};
 use crate::library::Library;
+use crate::memory::Memory;
 use crate::plant::Planted;
 use crate::shape::{Numbers, Shape, Sight};
 use crate::view::{CannotSee, View};
@@ -51,16 +52,11 @@ impl<'a> Judge<'a> {
     /// The log filtered under a response; steps count from [`Judge::scored`] on.
     #[must_use]
     pub fn filtered(&self, numbers: &[f64]) -> Filtered {
-        self.filtered_by([numbers, numbers], |_| false)
-    }
-
-    /// The same with a second response in the steps for which `second` says so.
-    #[must_use]
-    pub fn filtered_by(&self, numbers: [&[f64]; 2], second: impl Fn(usize) -> bool) -> Filtered {
         let mut belief = self.start;
         let shape = &self.library.base.shape;
         let of = self.begin..self.view.steps.len();
-        let mut all = filter_by(shape, numbers, second, &self.view, of, &mut belief, &self.counted);
+        let memory = self.library.base.memory;
+        let mut all = filter(shape, numbers, memory, &self.view, of, &mut belief, &self.counted);
         let scored = self.scored();
         let settling = self.settling.min(all.log_likelihoods.len());
         all.log_likelihoods.drain(..settling);
@@ -97,7 +93,9 @@ fn start(shape: &Shape, numbers: &[f64], view: &View, begin: usize) -> Belief {
     }
     let turn = |i: usize| std::f64::consts::TAU * i as f64 / STARTS as f64;
     let starts = (0..STARTS).map(|i| ring(turn(i), at, distance_m, seen.bearing_rad, false));
-    let likely = |start: &Belief| filter(shape, numbers, view, begin..last, &mut start.clone()).total(0);
+    let likely = |start: &Belief| {
+        filter(shape, numbers, Memory::default(), view, begin..last, &mut start.clone(), UNCOUNTED).total(0)
+    };
     let scored = starts.map(|start| (likely(&start), start));
     let best = scored.reduce(|a, b| if b.0 > a.0 { b } else { a });
     best.map_or_else(|| ring(0.0, at, distance_m, seen.bearing_rad, false), |(_, start)| start)

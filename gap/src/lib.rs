@@ -20,6 +20,7 @@ pub mod groups;
 pub mod how_far;
 pub mod judge;
 pub mod library;
+pub mod memory;
 pub mod nominal;
 pub mod place;
 pub mod plant;

@@ -9,6 +9,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::fit::{Free, fit, shape};
+use crate::judge::Judge;
+use crate::memory::Memory;
 use crate::nominal::{CannotPlay, Nominal};
 use crate::plant::{Planted, Variant};
 use crate::shape::{Numbers, ORDER, Shape};
@@ -51,6 +53,8 @@ pub struct Base {
     pub shape: Shape,
     /// The numbers.
     pub numbers: Vec<f64>,
+    /// How innovations hang on those before them.
+    pub memory: Memory,
 }
 
 /// What one kind of effect changes.
@@ -101,7 +105,17 @@ impl Base {
         let runs = runs?;
         let shape = shape(&runs).ok_or(CannotLearn::Blind)?;
         let numbers = fit(&shape, &runs, &vec![0.0; shape.len()], Free { wear: false });
-        Ok(Self { shape, numbers })
+        let mut base = Self { shape, numbers, memory: Memory::default() };
+        base.memory = base.remembered(&runs);
+        Ok(base)
+    }
+
+    /// The memory of the nominal innovations.
+    fn remembered(&self, runs: &[Dataset]) -> Memory {
+        let alone = Library { base: self.clone(), entries: Vec::new() };
+        let judges: Vec<Judge<'_>> = runs.iter().filter_map(|run| Judge::new(&run.log, &alone).ok()).collect();
+        let filtered: Vec<_> = judges.iter().map(|judge| judge.filtered(&self.numbers).innovations).collect();
+        Memory::learn(judges.iter().zip(&filtered).map(|(judge, of)| (&judge.view, of.as_slice())))
     }
 }
 

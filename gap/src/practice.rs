@@ -65,17 +65,18 @@ pub fn practise(
     let Ok(judge) = Judge::new(&run.log, library) else { return Ok(Vec::new()) };
     let findings = Findings::new(&judge, variants);
     let truth = cause(&planted);
-    let absorbed_nats = (!planted.is_empty()).then(|| absorbed_nats(&judge, &found(&findings, &truth, &planted)));
-    let mut cases = vec![Case { truth, evidence: findings.evidence(), absorbed_nats }];
+    let absorbed_nats = (findings.leader == truth && !planted.is_empty()).then(|| absorbed_nats(&findings.blocks));
+    let evidence = findings.evidence();
+    let mut cases = Vec::with_capacity(2);
     if let [only] = planted.as_slice() {
         let name = only.variant.about.name;
-        let truth = format!("{UNKNOWN}/{}", blocks::name(only.variant.block()));
-        let evidence = findings.evidence_without(&[name]);
-        if has_alias(cases[0].evidence.get(name).copied().unwrap_or(0.0), &evidence) {
-            return Ok(cases);
+        let rest = findings.without(&judge, &[name]).evidence();
+        if !has_alias(evidence.get(name).copied().unwrap_or(0.0), &rest) {
+            let truth = format!("{UNKNOWN}/{}", blocks::name(only.variant.block()));
+            cases.push(Case { truth, evidence: rest, absorbed_nats: None });
         }
-        cases.push(Case { truth, evidence, absorbed_nats: None });
     }
+    cases.push(Case { truth, evidence, absorbed_nats });
     Ok(cases)
 }
 
@@ -84,10 +85,4 @@ fn has_alias(truth_nats: f64, rest: &Evidence) -> bool {
     let named = rest.iter().filter(|(cause, _)| !cause.starts_with(UNKNOWN));
     let best = named.map(|(_, nats)| *nats).fold(0.0, f64::max);
     truth_nats > 0.0 && best > truth_nats - SPLIT_NATS.max(0.1 * truth_nats)
-}
-
-/// The true effects at the sizes found, as a diagnosis that names them would have them.
-fn found(findings: &Findings, truth: &str, planted: &[Planted]) -> Vec<Planted> {
-    let found: Vec<Planted> = findings.planted(truth).into_iter().map(|(planted, _)| planted).collect();
-    if found.is_empty() { planted.to_vec() } else { found }
 }

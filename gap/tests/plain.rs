@@ -1,0 +1,150 @@
+//! Diagnoses of the plain robot, whose truth is known exactly.
+
+use std::sync::OnceLock;
+
+use asami_dataset::{Channel, Log, Seed};
+use asami_gap::evidence::{CLOSE, weigh};
+use asami_gap::how_far::misfit;
+use asami_gap::library::{Budget, play};
+use asami_gap::{Calibration, Diagnoser, Judge, Library, Planted, Variant};
+
+mod world;
+
+const NAMES: [&str; 4] = ["command_scale", "height_bias", "image_delay", "vision_noise"];
+
+fn variants() -> Vec<Variant> {
+    let all = Variant::all("plain", &[]);
+    all.into_iter().filter(|variant| NAMES.contains(&variant.about.name)).collect()
+}
+
+fn library() -> &'static Library {
+    static LIBRARY: OnceLock<Library> = OnceLock::new();
+    LIBRARY.get_or_init(|| {
+        let budget = Budget { nominal_runs: 64, runs: 6, sizes: 4, run_s: 120.0 };
+        Library::learn(&world::Plain::default(), &variants(), &budget).unwrap()
+    })
+}
+
+fn planted(name: &str, sign: f64, size: f64) -> Planted {
+    let variant = variants().into_iter().find(|it| it.about.name == name && it.sign == sign).unwrap();
+    Planted { variant, size }
+}
+
+fn log(planted: &[Planted], seed: u64) -> Log {
+    play(&world::Plain::default(), planted, Seed(1000 + seed), 120.0).unwrap().log
+}
+
+/// `-log p(o_t | past) - h_t` is a martingale difference in the world that made the log, of variance 1 a sighting for
+/// its two squares (chi-squared with 2 degrees of freedom, halved).
+#[test]
+fn nominal_logs_fit_the_nominal_world() {
+    for seed in 0..6 {
+        let log = log(&[], seed);
+        let judge = Judge::new(&log, library()).unwrap();
+        let filtered = judge.filtered(&library().base.numbers);
+        let n = filtered.innovations.len() as f64;
+        assert!(n > 500.0);
+        let off = misfit(&filtered) * n.sqrt();
+        assert!(off.abs() < 4.0, "seed {seed}: {off} standard errors");
+        let squares = |k: usize| filtered.innovations.iter().map(|it| it.white[k] * it.white[k]).sum::<f64>();
+        for k in 0..2 {
+            assert!((squares(k) - n).abs() < 4.5 * (2.0 * n).sqrt(), "seed {seed}: {} of {n}", squares(k));
+        }
+    }
+}
+
+#[test]
+fn no_effect_is_evident_in_nominal_logs() {
+    for seed in 0..6 {
+        let log = log(&[], seed);
+        let judge = Judge::new(&log, library()).unwrap();
+        for weighed in weigh(&judge, &variants(), &[], CLOSE) {
+            // Where an effect is absent, evidence of e^6 has probability e^-6 at most (Markov); 24 are looked at.
+            assert!(weighed.evidence_nats < 6.0, "seed {seed}: {weighed:?}");
+        }
+    }
+}
+
+#[test]
+fn a_planted_effect_is_the_most_evident_and_its_size_lies_in_the_interval_or_near() {
+    let cases = [
+        ("command_scale", -1.0, 0.1),
+        ("height_bias", 1.0, 0.8),
+        ("image_delay", 1.0, 0.08),
+        ("vision_noise", 1.0, 0.4),
+    ];
+    for (name, sign, size) in cases {
+        let log = log(&[planted(name, sign, size)], 50);
+        let judge = Judge::new(&log, library()).unwrap();
+        let best = weigh(&judge, &variants(), &[], CLOSE)
+            .into_iter()
+            .reduce(|a, b| if b.evidence_nats > a.evidence_nats { b } else { a })
+            .unwrap();
+        assert_eq!(best.effect, name);
+        assert_eq!(best.best.variant.sign, sign);
+        let [low, high] = best.interval;
+        let width = high - low;
+        assert!(low - width < size && size < high + width, "{name}: {size} in {low}..{high}");
+        assert!(best.evidence_nats > 10.0 && best.evidence_nats < best.gain_nats, "{best:?}");
+    }
+}
+
+#[test]
+fn a_diagnosis_says_where_which_and_how_far_and_says_it_twice_alike() {
+    let (calibration, variants) = (Calibration::default(), variants());
+    let diagnoser = Diagnoser { library: library(), calibration: &calibration, variants: &variants };
+    let log = log(&[planted("height_bias", 1.0, 1.5)], 51);
+    let diagnosis = diagnoser.diagnose(&log).unwrap();
+    assert_eq!(diagnosis.which[0].effects, ["height_bias"], "{diagnosis:?}");
+    assert_eq!(diagnosis.places[0].channel, "height_px");
+    let closed = diagnosis.how_far.closed.unwrap();
+    assert!((0.8..1.1).contains(&closed), "{closed}");
+    assert!(diagnosis.how_far.misfit_before > 4.0 * diagnosis.how_far.misfit_after.abs());
+    let rms = diagnosis.how_far.channels["height_px"];
+    assert!(rms.rms_after < rms.rms_before);
+    let value = diagnosis.which[0].parameters["height_bias.bias_px"];
+    assert!((value.value - 1.5).abs() < 0.2, "{value:?}");
+    assert_eq!(diagnoser.diagnose(&log).unwrap(), diagnosis);
+    let text = serde_json::to_string(&diagnosis).unwrap();
+    assert_eq!(serde_json::from_str::<asami_gap::Diagnosis>(&text).unwrap(), diagnosis);
+}
+
+#[test]
+fn without_a_gap_nothing_is_named_and_what_would_have_shown_is_said() {
+    let (calibration, variants) = (Calibration::default(), variants());
+    let diagnoser = Diagnoser { library: library(), calibration: &calibration, variants: &variants };
+    let diagnosis = diagnoser.diagnose(&log(&[], 52)).unwrap();
+    assert_eq!(diagnosis.verdict, asami_gap::diagnosis::Verdict::None);
+    assert!(diagnosis.places.is_empty());
+    // A bias shows in the mean of n heights of standard deviation 1 px: n b^2 / 2 = 12 nats, a little later where the
+    // pose must be found from the same heights.
+    let n = log(&[], 52).sightings.len() as f64;
+    let visible = diagnosis.smallest_visible["height_bias.bias_px"];
+    let alone = (24.0 / n).sqrt();
+    assert!(visible > alone && visible < 5.0 * alone, "{visible} against {alone}");
+}
+
+#[test]
+fn logs_that_show_nothing_are_refused_and_odd_ones_survived() {
+    let (calibration, variants) = (Calibration::default(), variants());
+    let diagnoser = Diagnoser { library: library(), calibration: &calibration, variants: &variants };
+    let whole = log(&[], 53);
+    let blind = Log { sightings: Channel::default(), ..whole.clone() };
+    let short = whole.window(0.0..0.5);
+    for (log, needs) in [(Log::default(), "0 frames"), (blind, "0 of them"), (short, "at least")] {
+        let error = diagnoser.diagnose(&log).unwrap_err().to_string();
+        assert!(error.contains(needs), "{error}");
+    }
+    let unmoved = Log { commands: Channel::default(), ..whole.clone() };
+    let mut frames = whole.frames.clone().unwrap().to_vec();
+    let mut sightings = whole.sightings.to_vec();
+    frames.iter_mut().filter(|it| it.t_s > 60.0).for_each(|it| it.t_s += 600.0);
+    sightings.iter_mut().filter(|it| it.t_s > 60.0).for_each(|it| it.t_s += 600.0);
+    let torn = Log { frames: Some(frames.into()), sightings: sightings.into(), ..whole.clone() };
+    let missless = Log { frames: None, ..whole };
+    for log in [unmoved, torn, missless] {
+        let diagnosis = diagnoser.diagnose(&log).unwrap();
+        let sum: f64 = diagnosis.which.iter().map(|it| it.probability).sum();
+        assert!(sum > 0.99 && sum < 1.0 + 1e-9, "{sum}");
+    }
+}
