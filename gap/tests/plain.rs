@@ -59,8 +59,9 @@ fn no_effect_is_evident_in_nominal_logs() {
         let log = log(&[], seed);
         let judge = Judge::new(&log, library()).unwrap();
         for weighed in weigh(&judge, &variants(), &[], CLOSE) {
-            // Where an effect is absent, evidence of e^6 has probability e^-6 at most (Markov); 24 are looked at.
-            assert!(weighed.evidence_nats < 6.0, "seed {seed}: {weighed:?}");
+            // Where an effect is absent, evidence of e^9 has probability e^-9 at most (Markov): of the 24 looked at, one
+            // reaches it in 340 such tests.
+            assert!(weighed.evidence_nats < 9.0, "seed {seed}: {weighed:?}");
         }
     }
 }
