@@ -4,6 +4,7 @@
 pub mod binning;
 pub mod blind;
 pub mod depths;
+pub mod diagnose;
 pub mod draw;
 pub mod generate;
 pub mod import;

@@ -1,6 +1,7 @@
 //! What the documentation shows is what the program reads.
 
 use std::path::Path;
+use std::process::Command;
 
 use asami::scenario::{self, Start};
 use asami_dataset::store;
@@ -54,6 +55,37 @@ fn the_small_scenario_of_the_docs_is_one() {
         let names = ["`", "`[", "`[["].map(|before| format!("{before}{name}"));
         assert!(names.iter().any(|name| page.contains(name)), "{name} is not on the page");
     }
+}
+
+/// The tutorial from a log to a repaired simulator, as it stands there, uncalibrated.
+#[test]
+fn the_commands_of_the_tutorial_run() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = std::fs::read_to_string(root.join("docs/diagnosis.md")).expect("the page");
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(folder.path().join("scenarios")).expect("made");
+    std::fs::copy(root.join("scenarios/plain_2d.toml"), folder.path().join("scenarios/plain_2d.toml"))
+        .expect("shipped");
+    let blocks = page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
+    let commands: Vec<&str> = blocks.flat_map(str::lines).collect();
+    assert_eq!(commands.len(), 4, "{commands:?}");
+    let answer = folder.path().join("results/diagnosis/001");
+    for line in commands {
+        // Whether there is an effect to repair hangs on what the catalogue's laws draw.
+        if line.contains("with_effect.toml") && !answer.join("with_effect.toml").exists() {
+            continue;
+        }
+        let words: Vec<&str> = line.split(' ').collect();
+        let ["cargo", "run", "--bin", program, ref arguments @ ..] = words[..] else { panic!("{line}") };
+        let (program, more): (_, &[&str]) = match program {
+            "generate" => (env!("CARGO_BIN_EXE_generate"), &[]),
+            "diagnose" => (env!("CARGO_BIN_EXE_diagnose"), &["--calibrate", "0"]),
+            _ => panic!("{line}"),
+        };
+        let ran = Command::new(program).current_dir(folder.path()).args(arguments).args(more).output().expect("starts");
+        assert!(ran.status.success(), "{line}: {}", String::from_utf8_lossy(&ran.stderr));
+    }
+    assert!(answer.join("diagnosis.json").exists() && answer.join("report.html").exists());
 }
 
 #[test]

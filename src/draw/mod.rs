@@ -9,6 +9,7 @@ pub mod chapter3;
 pub mod chapter4;
 pub mod chapter5;
 pub mod figure;
+pub mod map;
 pub mod picture;
 pub(crate) mod svg;
 pub mod walk;

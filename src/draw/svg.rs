@@ -31,7 +31,9 @@ impl Layout {
         let (width, height) = (f64::from(figure.size.0), f64::from(figure.size.1));
         let (x, y) = figure.ranges();
         let widest = figure.y.ticks(y, 6).iter().map(|(_, text)| text.chars().count()).max().unwrap_or(1);
-        let left = (widest as f64 * LETTER_PX + 16.0).max(34.0);
+        let named = figure.y.names.iter().map(|name| width_px(name)).fold(0.0, f64::max);
+        let left = (widest as f64 * LETTER_PX).max(named) + 16.0;
+        let left = left.clamp(34.0, 0.5 * width);
         let (legend, rows) = legend(figure, width);
         let top = 26.0 + rows as f64 * LINE_PX + if figure.y.caption().is_empty() { 8.0 } else { 24.0 };
         Self { left, top, width: width - left - 14.0, height: (height - top - 44.0).max(20.0), x, y, legend }

@@ -4,6 +4,7 @@
 pub mod both_at_once;
 pub mod car;
 pub mod chapter4;
+pub mod diagnosis;
 pub mod exhibits;
 mod html;
 pub mod one_at_a_time;
@@ -15,6 +16,7 @@ pub mod table;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::draw::map::Map;
 use crate::draw::svg::standalone;
 use crate::draw::walk::Strip;
 use crate::draw::{Figure, Picture};
@@ -73,6 +75,13 @@ impl From<&Strip> for Plate {
     fn from(strip: &Strip) -> Self {
         let (name, caption) = (strip.name.clone(), strip.caption.clone());
         Self { name, caption, inline_svg: strip.inline_svg(), width_px: Strip::WIDTH_PX, data: None }
+    }
+}
+
+impl From<&Map> for Plate {
+    fn from(map: &Map) -> Self {
+        let (name, caption) = (map.name.clone(), map.caption.clone());
+        Self { name, caption, inline_svg: map.inline_svg(), width_px: Map::WIDTH_PX, data: None }
     }
 }
 

@@ -1,0 +1,81 @@
+//! `cargo run --bin diagnose DATASET`: where a log and a simulator part, which effect parts them, and how far the gap
+//! shrinks with it.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use asami::diagnose::progress::{Listener, Progress};
+use asami::diagnose::self_test::self_test;
+use asami::diagnose::{Answer, Asked, words};
+use asami::verb;
+use asami_gap::Budget;
+use clap::Parser;
+
+/// Says where a log and its nominal world part, which unmodelled effect parts them, and how far the gap shrinks with it.
+///
+/// The answer goes to stdout and, with a report and the repaired scenario, to DIR. What the nominal world and each effect do
+/// is played once and kept.
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "Examples:
+  generate scenarios/plain_2d.toml --seed 1000 --effect command_delay.delay_s=0.2 -o results/late
+  diagnose results/late
+  diagnose results/late --without command_delay
+  sweep results/diagnosis/late/with_effect.toml
+
+Exit status: 0 done, 1 our bug, 2 bad input, or a log that shows nothing."
+)]
+struct Arguments {
+    /// The data set's folder
+    dataset: PathBuf,
+    /// The scenario, a file or the name of a shipped one, whose world the log is held against [default: the one that
+    /// the data set names, else the one shipped for its robot]
+    #[arg(long, value_name = "SCENARIO")]
+    nominal: Option<PathBuf>,
+    /// Takes an effect out of the catalogue; may be given again
+    #[arg(long, value_name = "EFFECT")]
+    without: Vec<String>,
+    /// Where the answer goes [default: results/diagnosis/DATASET]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Plants effects in the nominal world, and says how often they are named and their sizes covered
+    #[arg(long)]
+    self_test: bool,
+    /// Calibrates probabilities on at least so many planted cases, which are made once and kept;
+    /// 0: none, and probabilities are too bold
+    #[arg(long, value_name = "N", default_value_t = CASES)]
+    calibrate: usize,
+    /// Where what was played is kept
+    #[arg(long, value_name = "DIR", default_value = "results/library")]
+    libraries: PathBuf,
+}
+
+const CASES: usize = 60;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    verb::main(|| {
+        let log = verb::dataset(&arguments.dataset)?.log;
+        let folder = arguments.dataset.canonicalize().unwrap_or_else(|_| arguments.dataset.clone());
+        let name = folder.file_name().map_or_else(|| "log".to_owned(), |name| name.to_string_lossy().into_owned());
+        let asked = Asked {
+            nominal: arguments.nominal,
+            without: arguments.without,
+            libraries: arguments.libraries,
+            budget: Budget::default(),
+            calibrate: arguments.calibrate,
+        };
+        let listener = Progress::default();
+        let (answer, ready) = Answer::new(&log, &asked, &listener)?;
+        verb::print(&words::text(&answer.diagnosis));
+        let out = arguments.output.unwrap_or_else(|| PathBuf::from("results/diagnosis").join(&name));
+        answer.write(&name, &ready, &out)?;
+        listener.says(&format!("written to {}", out.display()));
+        if arguments.self_test {
+            let length_s = log.span_s().map_or(0.0, |(first_s, last_s)| last_s - first_s);
+            verb::print(&self_test(&ready, length_s, &listener).map_err(verb::plain)?.text());
+        }
+        Ok(verb::Ending::Done)
+    })
+}

@@ -1,0 +1,226 @@
+//! A log's diagnosis: the nominal world it is held against, the library and the calibration for it, and what is
+//! written of the answer.
+
+pub mod limits;
+pub mod nominal;
+pub mod progress;
+mod reliability;
+pub mod repaired;
+pub mod self_test;
+pub mod shelf;
+pub mod words;
+
+use std::path::{Path, PathBuf};
+
+use asami_dataset::Log;
+use asami_gap::calibration::{Calibration, Case};
+use asami_gap::diagnose::Diagnoser;
+use asami_gap::diagnosis::CalibratedOn;
+use asami_gap::practice::LAW;
+use asami_gap::view::CannotSee;
+use asami_gap::{Budget, Diagnosis, Variant};
+use asami_sim::effects::catalogue;
+
+use crate::report::diagnosis::{Beside, report};
+use crate::scenario::fault::nearest;
+use crate::sweep::manifest::program;
+use limits::ShowsNothing;
+use nominal::{Held, NoNominal};
+use progress::Listener;
+use repaired::CannotRepair;
+use shelf::{CannotShelve, Shelf, Shelved, less};
+
+/// Fewer cases calibrate nothing.
+const LEAST_CASES: usize = 40;
+
+/// What is asked of a diagnosis.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    /// The nominal scenario, where not the one that the log names.
+    pub nominal: Option<PathBuf>,
+    /// Effects taken out of the catalogue.
+    pub without: Vec<String>,
+    /// Where libraries are kept.
+    pub libraries: PathBuf,
+    /// How much is played for one.
+    pub budget: Budget,
+    /// Planted cases that must be there to calibrate on.
+    pub calibrate: usize,
+}
+
+/// There is no diagnosis.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum CannotDiagnose {
+    /// No nominal world.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Nominal(#[from] NoNominal),
+    /// The log shows nothing.
+    #[error("nothing can be said: {0}")]
+    Limits(#[from] ShowsNothing),
+    /// Nor to the filter.
+    #[error("nothing can be said: {0}")]
+    See(#[from] CannotSee),
+    /// An effect that is not in the catalogue.
+    #[error("there is no effect {name}{}; `list effects` shows all", meant(name))]
+    NoSuchEffect {
+        /// The name.
+        name: String,
+    },
+    /// No library.
+    #[error(transparent)]
+    Shelve(#[from] CannotShelve),
+    /// The scenario with the effect is none.
+    #[error(transparent)]
+    Repair(#[from] CannotRepair),
+    /// A file cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// Which.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+}
+
+fn meant(name: &str) -> String {
+    nearest(name, catalogue().iter().map(|about| about.name))
+        .map_or(String::new(), |it| format!(" (did you mean {it}?)"))
+}
+
+/// All that diagnoses of one nominal world's logs need.
+pub struct Ready {
+    /// The nominal world.
+    pub held: Held,
+    /// Its library.
+    pub shelved: Shelved,
+    /// Kinds of effects that are thought of.
+    pub variants: Vec<Variant>,
+    /// Effects that are not.
+    pub without: Vec<String>,
+    /// Planted cases.
+    pub cases: Vec<Case>,
+    calibration: Calibration,
+}
+
+impl Ready {
+    /// What a log like this needs.
+    ///
+    /// # Errors
+    /// [`CannotDiagnose`] where there is no nominal world, or its library cannot be made.
+    pub fn new(log: &Log, asked: &Asked, listener: &dyn Listener) -> Result<Self, CannotDiagnose> {
+        if let Some(name) = asked.without.iter().find(|name| !catalogue().iter().any(|about| about.name == **name)) {
+            return Err(CannotDiagnose::NoSuchEffect { name: name.clone() });
+        }
+        let held = Held::find(asked.nominal.as_deref(), log)?;
+        let on: Vec<String> = held.simulation.effects.iter().map(|effect| effect.about().name.to_owned()).collect();
+        let variants = Variant::all(held.simulation.robot.name(), &on);
+        let shelf = Shelf { folder: asked.libraries.clone(), budget: asked.budget, listener };
+        let shelved = shelf.library(&held.name, &held.simulation, &variants)?;
+        let length_s = log.span_s().map_or(0.0, |(first_s, last_s)| last_s - first_s);
+        let cases = shelved.cases(&held.simulation, length_s, asked.calibrate, listener)?;
+        let cases = less(&cases, &asked.without);
+        let calibration = if cases.len() < LEAST_CASES {
+            listener.says(
+                "probabilities are the evidence as it is: with --calibrate N they are calibrated on planted cases",
+            );
+            Calibration::default()
+        } else {
+            Calibration::learn(&cases)
+        };
+        let without = asked.without.clone();
+        let variants = variants.into_iter().filter(|it| !without.iter().any(|name| name == it.about.name)).collect();
+        Ok(Self { held, shelved, variants, without, cases, calibration })
+    }
+
+    /// Where, which and how far.
+    ///
+    /// # Errors
+    /// [`CannotSee`] says what the log lacks.
+    pub fn diagnose(&self, log: &Log) -> Result<Diagnosis, CannotSee> {
+        let (library, calibration) = (&self.shelved.library, &self.calibration);
+        let mut diagnosis = Diagnoser { library, calibration, variants: &self.variants }.diagnose(log)?;
+        diagnosis.calibrated_on = (self.calibration.cases > 0).then(|| CalibratedOn {
+            scenario: self.held.name.clone(),
+            cases: self.cases.len(),
+            size_law: LAW.to_owned(),
+        });
+        Ok(diagnosis)
+    }
+}
+
+/// A diagnosis, and what it was made of.
+pub struct Answer {
+    /// The diagnosis.
+    pub diagnosis: Diagnosis,
+    /// What the log cannot show.
+    pub notes: Vec<String>,
+    /// The text of `with_effect.toml`, where an effect was found.
+    pub with_effect: Option<String>,
+}
+
+impl Answer {
+    /// The diagnosis of a log.
+    ///
+    /// # Errors
+    /// [`CannotDiagnose`] says what is missing.
+    pub fn new(log: &Log, asked: &Asked, listener: &dyn Listener) -> Result<(Self, Ready), CannotDiagnose> {
+        let notes = limits::limits(log)?;
+        notes.iter().for_each(|note| listener.says(&format!("note: {note}")));
+        let ready = Ready::new(log, asked, listener)?;
+        listener.says("reading the log");
+        let diagnosis = ready.diagnose(log)?;
+        let cause = repaired::cause(&diagnosis);
+        let with_effect = cause.map(|cause| repaired::repaired(&ready.held.text, cause)).transpose()?;
+        Ok((Self { diagnosis, notes, with_effect }, ready))
+    }
+
+    /// Writes `diagnosis.json`, `report.html` and `with_effect.toml`; the last is removed where no effect was found.
+    ///
+    /// # Errors
+    /// [`CannotDiagnose::Write`].
+    pub fn write(&self, log: &str, ready: &Ready, out: &Path) -> Result<(), CannotDiagnose> {
+        let failed = |path: &Path| {
+            let path = path.to_owned();
+            move |source| CannotDiagnose::Write { path, source }
+        };
+        std::fs::create_dir_all(out).map_err(failed(out))?;
+        let json = out.join("diagnosis.json");
+        let text = serde_json::to_string_pretty(&self.diagnosis).map_err(|error| failed(&json)(error.into()))?;
+        std::fs::write(&json, text + "\n").map_err(failed(&json))?;
+        let repaired = out.join("with_effect.toml");
+        match &self.with_effect {
+            Some(text) => std::fs::write(&repaired, text).map_err(failed(&repaired))?,
+            None => match std::fs::remove_file(&repaired) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(failed(&repaired)(error)),
+                _ => {}
+            },
+        }
+        let page = out.join("report.html");
+        let report = report(&self.diagnosis, &self.beside(log, ready));
+        report.write(&page).map_err(|error| failed(&error.path)(error.source))
+    }
+
+    fn beside(&self, log: &str, ready: &Ready) -> Beside {
+        let blake3 = |text: &str| format!("blake3:{}", blake3::hash(text.as_bytes()).to_hex());
+        Beside {
+            log: log.to_owned(),
+            nominal: ready.held.name.clone(),
+            notes: self.notes.clone(),
+            without: ready.without.clone(),
+            reliability: reliability::curve(&ready.cases),
+            made_with: vec![
+                ("nominal scenario".to_owned(), format!("{} {}", ready.held.name, blake3(&ready.held.text))),
+                ("library".to_owned(), file_name(&ready.shelved.folder)),
+                ("program".to_owned(), program()),
+            ],
+        }
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+const EXAMPLE: &str = include_str!("example.json");

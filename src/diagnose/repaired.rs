@@ -1,0 +1,177 @@
+//! The nominal scenario with the effects that were found: `with_effect.toml`.
+
+use asami_gap::Diagnosis;
+use asami_gap::diagnosis::{Cause, Verdict};
+use asami_sim::effect::About;
+use asami_sim::effects::{Effects, catalogue};
+use toml::{Table, Value};
+
+use crate::scenario::{self, Origin};
+
+/// A nominal scenario cannot be given effects.
+#[derive(Debug, thiserror::Error)]
+#[error("the nominal scenario with {effects} in it would not be one: {why}")]
+pub struct CannotRepair {
+    effects: String,
+    why: String,
+}
+
+/// The most probable cause that can be put into a scenario; `None` where the answer is no effect of the catalogue.
+#[must_use]
+pub fn cause(diagnosis: &Diagnosis) -> Option<&Cause> {
+    let leads = diagnosis.which.first()?;
+    let named = matches!(diagnosis.verdict, Verdict::Named | Verdict::Tied) && !leads.parameters.is_empty();
+    named.then_some(leads)
+}
+
+/// `text`, a scenario, with the effects of `cause` on at the values found: comments and all, where the effects are
+/// not on already.
+///
+/// # Errors
+/// [`CannotRepair`] where the cause's effects, parameters or values are none of the catalogue's for that robot.
+pub fn repaired(text: &str, cause: &Cause) -> Result<String, CannotRepair> {
+    let failed = |why: String| CannotRepair { effects: cause.effects.join(" and "), why };
+    let settings = settings(cause);
+    let mut wanted: Effects = effects(text).map_err(failed)?;
+    for (about, parameter, value) in &settings {
+        if !wanted.set(about.name, parameter, *value) {
+            return Err(failed(format!("{} has no parameter {parameter}", about.name)));
+        }
+    }
+    let appended = appended(text, &settings);
+    if effects(&appended).is_ok_and(|found| found == wanted) {
+        return Ok(appended);
+    }
+    // The effect stands there already, in whatever of TOML's forms.
+    let mut table: Table = text.parse().map_err(|error: toml::de::Error| failed(error.to_string()))?;
+    let on = table.entry("effects").or_insert_with(|| Value::Table(Table::new()));
+    let written = Value::try_from(&wanted).map_err(|error| failed(error.to_string()))?;
+    *on = written;
+    let rewritten = toml::to_string(&table).map_err(|error| failed(error.to_string()))?;
+    match effects(&rewritten) {
+        Ok(found) if found == wanted => Ok(rewritten),
+        Ok(_) => Err(failed("its effects are not the ones asked for".to_owned())),
+        Err(why) => Err(failed(why)),
+    }
+}
+
+/// Effect, parameter and value, within the parameter's range.
+fn settings(cause: &Cause) -> Vec<(&'static About, String, f64)> {
+    let about = |name: &str| catalogue().into_iter().find(|about| about.name == name);
+    let found = cause.parameters.iter().filter_map(|(path, estimate)| {
+        let (name, parameter) = path.split_once('.')?;
+        let about = about(name)?;
+        let range = about.parameters.iter().find(|it| it.name == parameter).map(|it| it.range);
+        let value = range.map_or(estimate.value, |(least, greatest)| estimate.value.clamp(least, greatest));
+        Some((about, parameter.to_owned(), value))
+    });
+    found.collect()
+}
+
+fn appended(text: &str, settings: &[(&About, String, f64)]) -> String {
+    let mut out = text.trim_end().to_owned() + "\n";
+    let mut last = "";
+    for (about, parameter, value) in settings {
+        if about.name != last {
+            out += &format!("\n# Found by `diagnose`: {}\n[effects.{}]\n", about.what, about.name);
+            last = about.name;
+        }
+        // `{:?}` is the shortest text that reads back the same bits, and always a float to TOML.
+        out += &format!("{parameter} = {value:?}\n");
+    }
+    out
+}
+
+/// The effects of a simulated scenario of this text.
+fn effects(text: &str) -> Result<Effects, String> {
+    let scenario = scenario::parse("with_effect", "with_effect.toml", text).map_err(|bad| bad.to_string())?;
+    match scenario.origin {
+        Origin::Simulated(simulation) => Ok(simulation.effects),
+        Origin::Recorded(_) => Err("it is about a recorded log".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use asami_gap::diagnosis::Estimate;
+
+    use super::*;
+
+    const NOMINAL: &str = r#"
+schema = 1
+about = "Does it walk?"   # a remark
+robot = "aibo"
+duration_s = 10
+seeds = 1
+[[field.beacons]]
+id = 0
+body = { x_m = 0.0, y_m = 0.0, radius_m = 0.05, base_m = 0.1, height_m = 0.2, bands = ["pink", "yellow"] }
+[[rows]]
+learner = "canonical"
+"#;
+
+    fn found(parameters: &[(&str, f64)]) -> Cause {
+        let estimate = |value: f64| Estimate { value, interval: [value, value] };
+        Cause {
+            effects: vec!["some".into()],
+            probability: 0.9,
+            evidence_nats: 1.0,
+            adequacy_p: None,
+            place: None,
+            block: None,
+            behaves_like: None,
+            parameters: parameters.iter().map(|(name, value)| ((*name).to_owned(), estimate(*value))).collect(),
+        }
+    }
+
+    /// What is written parses again, to the very bits, and keeps the remarks.
+    #[test]
+    fn a_repaired_scenario_is_the_nominal_one_with_the_effect() {
+        let delay_s = 0.1 + 0.2;
+        let text = repaired(NOMINAL, &found(&[("command_delay.delay_s", delay_s)])).unwrap();
+        assert!(text.contains("# a remark"));
+        let on = effects(&text).unwrap();
+        assert_eq!(on.command_delay.as_ref().unwrap().delay_s.to_bits(), delay_s.to_bits());
+        assert_eq!(on.without("command_delay"), Effects::default());
+    }
+
+    /// An effect that is on already takes the new value, however it was written.
+    #[test]
+    fn an_effect_that_is_on_is_set_anew() {
+        for on in ["\n[effects]\ncommand_delay = { delay_s = 0.02 }\n", "\n[effects.command_delay]\ndelay_s = 0.02\n"] {
+            let nominal = NOMINAL.to_owned() + on;
+            let text = repaired(&nominal, &found(&[("command_delay.delay_s", 0.08)])).unwrap();
+            assert_eq!(effects(&text).unwrap().command_delay.unwrap().delay_s, 0.08, "{text}");
+        }
+    }
+
+    #[test]
+    fn values_stay_within_their_ranges_and_foreign_names_are_refused() {
+        let text = repaired(NOMINAL, &found(&[("command_delay.delay_s", 1e9)])).unwrap();
+        let greatest = catalogue().iter().find(|it| it.name == "command_delay").unwrap().parameters[0].range.1;
+        assert_eq!(effects(&text).unwrap().command_delay.unwrap().delay_s, greatest);
+        let error = repaired(NOMINAL, &found(&[("command_delay.delya_s", 0.1)])).unwrap_err();
+        assert!(error.to_string().contains("no parameter delya_s"), "{error}");
+    }
+
+    #[test]
+    fn only_a_named_effect_is_put_into_a_scenario() {
+        let mut diagnosis = Diagnosis {
+            schema: 1,
+            verdict: Verdict::Unknown,
+            places: Vec::new(),
+            which: vec![found(&[("command_delay.delay_s", 0.1)])],
+            set90: Vec::new(),
+            cannot_tell_apart: Vec::new(),
+            next_experiment: None,
+            smallest_visible: BTreeMap::new(),
+            calibrated_on: None,
+            how_far: asami_gap::diagnosis::HowFar::default(),
+        };
+        assert!(cause(&diagnosis).is_none());
+        diagnosis.verdict = Verdict::Tied;
+        assert!(cause(&diagnosis).is_some());
+    }
+}

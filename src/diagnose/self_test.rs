@@ -1,0 +1,134 @@
+//! `--self-test`: effects planted in the nominal world, and how often they are named and covered.
+
+use std::fmt::Write as _;
+use std::sync::Mutex;
+
+use asami_gap::Diagnosis;
+use asami_gap::diagnosis::Verdict;
+use rayon::prelude::*;
+
+use super::Ready;
+use super::progress::Listener;
+use crate::blind::draw::Case;
+use crate::blind::{Mix, Planting};
+use crate::scenario::Simulation;
+use crate::simulate::CannotSimulate;
+
+/// Cases of a self-test; no case that is scored or calibrated on is ever drawn by its salt.
+const CASES: usize = 30;
+const SALT: &str = "asami self-test 1";
+
+/// What became of the cases.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Cases without an effect, and how many of them were given none.
+    pub none: [usize; 2],
+    /// Cases with one, and how many were named by it or by its group.
+    pub one: [usize; 2],
+    /// Cases with two, and how many were named by both.
+    pub two: [usize; 2],
+    /// Cases whose cause is in the 90 % set, of all.
+    pub in_set: [usize; 2],
+    /// Sizes within their 90 % interval, of those of effects that were named.
+    pub covered: [usize; 2],
+    /// Confident names, above 0.9, and how many of them were wrong.
+    pub confident: [usize; 2],
+}
+
+/// Plants cases of this length and diagnoses each.
+///
+/// # Errors
+/// If a case cannot be simulated.
+pub fn self_test(ready: &Ready, length_s: f64, listener: &dyn Listener) -> Result<Counts, CannotSimulate> {
+    let nominal = Simulation { duration_s: length_s, ..(*ready.held.simulation).clone() };
+    let planting = Planting { nominal, salt: SALT.to_owned(), mix: Mix::default() };
+    listener.begins("self-test", 0, CASES);
+    let counts = Mutex::new(Counts::default());
+    (0..CASES).into_par_iter().with_max_len(1).try_for_each(|i| {
+        let case = planting.case(1 + i);
+        let log = planting.simulate(&case, &ready.held.name)?.log;
+        // A robot that saw nothing says nothing.
+        if let Ok(diagnosis) = ready.diagnose(&log)
+            && let Ok(mut counts) = counts.lock()
+        {
+            counts.add(&case, &diagnosis);
+        }
+        listener.steps();
+        Ok::<(), CannotSimulate>(())
+    })?;
+    Ok(counts.into_inner().unwrap_or_default())
+}
+
+impl Counts {
+    fn add(&mut self, case: &Case, diagnosis: &Diagnosis) {
+        let mut truth: Vec<String> = case.planted.iter().map(|it| it.variant.about.name.to_owned()).collect();
+        truth.sort();
+        let top = diagnosis.which.first();
+        let named = top.map(|cause| {
+            let mut named = cause.effects.clone();
+            named.sort();
+            named
+        });
+        let none = vec!["none".to_owned()];
+        let expected = if truth.is_empty() { &none } else { &truth };
+        let alike = |found: &[String]| {
+            let group = |group: &Vec<String>| {
+                let is_in = |names: &[String]| names.iter().all(|name| group.contains(name));
+                found.len() == expected.len() && is_in(found) && is_in(expected)
+            };
+            found == expected.as_slice() || diagnosis.cannot_tell_apart.iter().any(group)
+        };
+        let right = match truth.len() {
+            0 => diagnosis.verdict == Verdict::None,
+            _ => named.as_deref().is_some_and(alike),
+        };
+        let of = match truth.len() {
+            0 => &mut self.none,
+            1 => &mut self.one,
+            _ => &mut self.two,
+        };
+        tally(of, right);
+        let in_set = diagnosis.set90.iter().any(|it| {
+            let mut it = it.clone();
+            it.sort();
+            alike(&it)
+        });
+        tally(&mut self.in_set, in_set);
+        let sure = top.is_some_and(|cause| cause.probability > 0.9) && diagnosis.verdict == Verdict::Named;
+        if sure {
+            tally(&mut self.confident, !right);
+        }
+        let Some(top) = top.filter(|_| right) else { return };
+        for planted in &case.planted {
+            let (name, null) = planted.variant.sized();
+            let value = null + planted.variant.sign * planted.size;
+            if let Some(estimate) = top.parameters.get(&format!("{}.{name}", planted.variant.about.name)) {
+                let [low, high] = estimate.interval;
+                tally(&mut self.covered, low <= value && value <= high);
+            }
+        }
+    }
+
+    /// In a few lines.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut out = String::new();
+        let mut say = |what: &str, [n, right]: [usize; 2], then: &str| {
+            if n > 0 {
+                let _ = writeln!(out, "self-test  {what}: {right} of {n} {then}");
+            }
+        };
+        say("no effect planted", self.none, "called none");
+        say("one effect planted", self.one, "named first, or one that this log cannot tell from it");
+        say("two effects planted", self.two, "both named first");
+        say("all cases", self.in_set, "in the 90 % set");
+        say("effects named rightly", self.covered, "sizes within the 90 % interval");
+        say("names given with more than 0.9", self.confident, "wrong");
+        out
+    }
+}
+
+fn tally([n, right]: &mut [usize; 2], is_right: bool) {
+    *n += 1;
+    *right += usize::from(is_right);
+}

@@ -1,0 +1,232 @@
+//! Response libraries and planted cases, made once and kept: in a folder for each nominal world, under its hash,
+//! a file for each part, so that what was stopped goes on.
+
+use std::path::{Path, PathBuf};
+
+use asami_dataset::Seed;
+use asami_gap::calibration::Case;
+use asami_gap::library::{Base, CannotLearn, Entry, play};
+use asami_gap::practice::practise;
+use asami_gap::{Budget, CannotPlay, Library, Planted, Variant};
+use rayon::prelude::*;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::progress::Listener;
+use crate::scenario::Simulation;
+
+/// The hash of the code by which responses are learned and cases judged.
+const CODE: &str = env!("ASAMI_GAP");
+/// Length of the runs that stand for a world, or an effect, in its hash.
+const PROBE_S: f64 = 3.0;
+/// Digits of a hash in names.
+const DIGITS: usize = 12;
+/// Seeds of calibration cases begin here: no case that is scored is ever given one of them.
+const FIRST_SEED: u64 = 8_000_000_000;
+
+/// Why there is no library, or no calibration.
+#[derive(Debug, thiserror::Error)]
+pub enum CannotShelve {
+    /// Nothing shows in the nominal world.
+    #[error(transparent)]
+    Learn(#[from] CannotLearn),
+    /// It cannot be played.
+    #[error(transparent)]
+    Play(#[from] CannotPlay),
+    /// A file cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// Which.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+}
+
+/// Where libraries are kept.
+pub struct Shelf<'a> {
+    /// The folder of all of them.
+    pub folder: PathBuf,
+    /// How much is played for one.
+    pub budget: Budget,
+    /// Hears how it goes on.
+    pub listener: &'a dyn Listener,
+}
+
+/// A nominal world's library, and where it is kept.
+pub struct Shelved {
+    /// The library.
+    pub library: Library,
+    /// The kinds of effects in it.
+    pub variants: Vec<Variant>,
+    /// Its folder.
+    pub folder: PathBuf,
+    /// Stands for all its entries.
+    mark: String,
+}
+
+impl Shelf<'_> {
+    /// The library of `nominal`, called `name`, for these kinds of effects: parts that are kept are read, the others
+    /// made, in parallel, and kept.
+    ///
+    /// # Errors
+    /// [`CannotShelve`] where the world cannot be played, shows nothing, or a file cannot be written.
+    pub fn library(&self, name: &str, nominal: &Simulation, variants: &[Variant]) -> Result<Shelved, CannotShelve> {
+        let folder = self.folder.join(format!("{name}-{}", self.key(nominal)?));
+        let path = folder.join("nominal.json");
+        let base: Base = match kept(&path) {
+            Some(base) => base,
+            None => {
+                self.listener.says("the nominal world's response is not kept: playing it");
+                let base = Base::learn(nominal, &self.budget)?;
+                keep(&path, &base)?;
+                base
+            }
+        };
+        let places = variants.par_iter().with_max_len(1).map(|variant| {
+            Ok((variant, folder.join(format!("{}-{}.json", variant.about.name, effect_key(nominal, variant)?))))
+        });
+        let places: Vec<(&Variant, PathBuf)> = places.collect::<Result<_, CannotShelve>>()?;
+        let mark = hash(&format!("{:?}", places.iter().map(|(_, path)| path.file_name()).collect::<Vec<_>>()));
+        let found: Vec<Option<Entry>> = places.iter().map(|(_, path)| kept(path)).collect();
+        let there = found.iter().filter(|entry| entry.is_some()).count();
+        self.listener.begins("responses to effects", there, places.len());
+        let made = places.into_par_iter().zip(found).with_max_len(1).map(|((variant, path), found)| match found {
+            Some(entry) => Ok(entry),
+            None => {
+                let entry = Entry::learn(nominal, &base, variant, &self.budget)?;
+                keep(&path, &entry)?;
+                self.listener.steps();
+                Ok(entry)
+            }
+        });
+        let entries: Vec<Entry> = made.collect::<Result<_, CannotShelve>>()?;
+        Ok(Shelved { library: Library { base, entries }, variants: variants.to_vec(), folder, mark })
+    }
+
+    /// The hash of all that the nominal response hangs on: the world's numbers and, for its code, what it does in
+    /// the first seconds.
+    fn key(&self, nominal: &Simulation) -> Result<String, CannotPlay> {
+        let world = Simulation { duration_s: 0.0, seeds: 0, first_seed: 0, ..nominal.clone() };
+        // Serialising to memory fails only for maps with keys that are no strings: there are none.
+        let numbers = serde_json::to_string(&(CODE, &self.budget, &world)).unwrap_or_default();
+        Ok(hash(&format!("{numbers}\n{}", probe(nominal, &[])?)))
+    }
+}
+
+/// The hash of all that the response to an effect hangs on beside the nominal one.
+fn effect_key(nominal: &Simulation, variant: &Variant) -> Result<String, CannotPlay> {
+    let planted = Planted { variant: variant.clone(), size: variant.sizes().1 };
+    Ok(hash(&format!("{} {:?}\n{}", variant.name(), variant.sizes(), probe(nominal, &[planted])?)))
+}
+
+fn probe(nominal: &Simulation, planted: &[Planted]) -> Result<String, CannotPlay> {
+    let dataset = play(nominal, planted, Seed(1), PROBE_S)?;
+    Ok(hash(&format!("{:?} {:?}", dataset.log, dataset.truth.track)))
+}
+
+fn hash(text: &str) -> String {
+    blake3::hash(text.as_bytes()).to_hex()[..DIGITS].to_owned()
+}
+
+/// A part that is kept; one that cannot be read is as good as none: it is made anew.
+fn kept<T: DeserializeOwned>(path: &Path) -> Option<T> {
+    serde_json::from_slice(&std::fs::read(path).ok()?).ok()
+}
+
+/// Writes a part aside and renames it, so that no reader meets half of one.
+fn keep<T: Serialize>(path: &Path, part: &T) -> Result<(), CannotShelve> {
+    let failed = |source| CannotShelve::Write { path: path.to_owned(), source };
+    let text = serde_json::to_vec(part).map_err(|error| failed(error.into()))?;
+    let aside = path.with_extension(format!("{}.part", std::process::id()));
+    let written = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+    written.and_then(|()| std::fs::write(&aside, text)).and_then(|()| std::fs::rename(&aside, path)).map_err(failed)
+}
+
+impl Shelved {
+    /// Planted cases that are kept, of logs of about this length; `most` of them are made first, as far as they are
+    /// not there.
+    ///
+    /// # Errors
+    /// [`CannotShelve`] where a case cannot be simulated, or not be written.
+    pub fn cases(
+        &self,
+        nominal: &Simulation,
+        length_s: f64,
+        make: usize,
+        listener: &dyn Listener,
+    ) -> Result<Vec<Case>, CannotShelve> {
+        let length_s = class_s(length_s);
+        let folder = self.folder.join(format!("cases-{length_s}s-{}", self.mark));
+        let path = |number: usize| folder.join(format!("{number:04}.json"));
+        let made = (1..).take_while(|number| path(*number).exists()).count();
+        let there = (1..=make).filter(|number| path(*number).exists()).count();
+        if there < make {
+            listener.begins("planted cases", there, make);
+            let missing: Vec<usize> = (1..=make).filter(|number| !path(*number).exists()).collect();
+            missing.into_par_iter().with_max_len(1).try_for_each(|number| {
+                let seed = Seed(FIRST_SEED + number as u64);
+                let cases = practise(nominal, &self.library, &self.variants, seed, length_s)?;
+                keep(&path(number), &cases)?;
+                listener.steps();
+                Ok::<(), CannotShelve>(())
+            })?;
+        }
+        Ok((1..=made.max(make)).filter_map(|number| kept::<Vec<Case>>(&path(number))).flatten().collect())
+    }
+}
+
+/// Cases as they would be without these effects in the list; those with one of them planted stay where it counts as
+/// unknown.
+#[must_use]
+pub fn less(cases: &[Case], without: &[String]) -> Vec<Case> {
+    let of = |cause: &str| cause.split('+').any(|effect| without.iter().any(|it| it == effect));
+    let mut cases: Vec<Case> = cases.iter().filter(|case| !of(&case.truth)).cloned().collect();
+    cases.iter_mut().for_each(|case| case.evidence.retain(|cause, _| !of(cause)));
+    cases
+}
+
+/// Lengths of planted logs: a log's own is rounded to one of these, by ratio.
+const CLASSES_S: [f64; 5] = [60.0, 150.0, 300.0, 600.0, 900.0];
+
+fn class_s(length_s: f64) -> f64 {
+    let off = |class_s: f64| (class_s / length_s.max(1.0)).max(length_s.max(1.0) / class_s);
+    CLASSES_S.into_iter().reduce(|a, b| if off(b) < off(a) { b } else { a }).unwrap_or(length_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use asami_gap::calibration::{Evidence, NONE};
+
+    use super::*;
+
+    fn case(truth: &str) -> Case {
+        let evidence = [("a", 5.0), ("b", 1.0), ("a+b", 6.0), ("unknown/timing", 2.0)];
+        let evidence = Evidence::from(evidence.map(|(cause, nats)| (cause.to_owned(), nats)));
+        Case { truth: truth.to_owned(), evidence, absorbed_nats: Some(0.1) }
+    }
+
+    #[test]
+    fn lengths_are_rounded_by_ratio() {
+        assert_eq!([1.0, 90.0, 150.0, 400.0, 5e3].map(class_s), [60.0, 60.0, 150.0, 300.0, 900.0]);
+    }
+
+    #[test]
+    fn effects_out_of_the_list_speak_for_nothing() {
+        let left = less(&[case("a"), case("a+b"), case("b"), case(NONE)], &["a".to_owned()]);
+        assert_eq!(left.iter().map(|case| &*case.truth).collect::<Vec<_>>(), ["b", NONE]);
+        assert!(left.iter().all(|case| case.evidence.keys().eq(["b", "unknown/timing"])), "{left:?}");
+    }
+
+    #[test]
+    fn what_is_kept_is_read_back_and_what_is_torn_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deep/0001.json");
+        assert_eq!(kept::<Case>(&path), None);
+        keep(&path, &case("a")).unwrap();
+        assert_eq!(kept::<Case>(&path), Some(case("a")));
+        std::fs::write(&path, "{\"truth\": \"a\", \"evi").unwrap();
+        assert_eq!(kept::<Case>(&path), None);
+        assert_eq!(std::fs::read_dir(folder.path().join("deep")).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,148 @@
+//! A map of cells: shares by row and column, as shades with their numbers.
+
+use std::fmt::Write as _;
+
+use super::svg::{self, escape, px};
+use super::{FAINT, GRID, INK, PALETTE};
+
+/// What stands in a cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patch {
+    /// How dark it is, from 0 to 1.
+    pub shade: f64,
+    /// What is printed on it; lines apart.
+    pub lines: Vec<String>,
+    /// What is told when it is pointed at.
+    pub hint: String,
+}
+
+/// Rows and columns of cells, some of them empty.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Map {
+    /// Short name, unique in a report.
+    pub name: String,
+    /// What is seen, in a few words.
+    pub title: String,
+    /// What it shows, what is good, what to do about it if it is not.
+    pub caption: String,
+    /// Names of the columns, from left to right.
+    pub columns: Vec<String>,
+    /// Names of the rows from the top, each with a cell for each column.
+    pub rows: Vec<(String, Vec<Option<Patch>>)>,
+}
+
+const CELL_PX: f64 = 40.0;
+const TOP_PX: f64 = 56.0;
+const LETTER_PX: f64 = 6.9;
+const WIDEST_COLUMN_PX: f64 = 120.0;
+
+impl Map {
+    /// Width in CSS pixels.
+    pub const WIDTH_PX: u32 = 1120;
+
+    /// The map as an element of an HTML page.
+    #[must_use]
+    pub fn inline_svg(&self) -> String {
+        let height = TOP_PX + CELL_PX * self.rows.len().max(1) as f64 + 6.0;
+        let mut out = svg::open(Self::WIDTH_PX, height as u32, &format!("{}: {}", self.name, self.title));
+        let title = escape(&self.title);
+        let _ = write!(out, "<text class=\"ink\" x=\"0\" y=\"17\" font-weight=\"600\" fill=\"{INK}\">{title}</text>");
+        let longest = self.rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+        let left = (longest as f64 * LETTER_PX + 16.0).clamp(60.0, 0.55 * f64::from(Self::WIDTH_PX));
+        let column = (f64::from(Self::WIDTH_PX) - left) / self.columns.len().max(1) as f64;
+        let column = column.min(WIDEST_COLUMN_PX);
+        for (j, name) in self.columns.iter().enumerate() {
+            text(&mut out, left + (j as f64 + 0.5) * column, TOP_PX - 8.0, "middle", "faint", FAINT, name);
+        }
+        for (i, (name, cells)) in self.rows.iter().enumerate() {
+            let top = TOP_PX + i as f64 * CELL_PX;
+            let fits = ((left - 16.0) / LETTER_PX) as usize;
+            text(&mut out, left - 10.0, top + CELL_PX / 2.0 + 4.0, "end", "ink", INK, &shortened(name, fits));
+            for (j, cell) in cells.iter().enumerate().take(self.columns.len()) {
+                patch(&mut out, [left + j as f64 * column, top, column, CELL_PX], cell.as_ref());
+            }
+        }
+        if self.rows.is_empty() {
+            text(&mut out, f64::from(Self::WIDTH_PX) / 2.0, TOP_PX + 24.0, "middle", "faint", FAINT, "nothing");
+        }
+        out.push_str("</svg>");
+        out
+    }
+}
+
+fn patch(out: &mut String, [x, y, width, height]: [f64; 4], cell: Option<&Patch>) {
+    let (x_px, y_px, w, h) = (px(x + 1.0), px(y + 1.0), px(width - 2.0), px(height - 2.0));
+    let _ = write!(
+        out,
+        "<rect class=\"grid\" x=\"{x_px}\" y=\"{y_px}\" width=\"{w}\" height=\"{h}\" fill=\"none\" stroke=\"{GRID}\"/>"
+    );
+    let Some(cell) = cell else { return };
+    // A cell that is there at all is told from an empty one.
+    let shade = if cell.shade.is_finite() { cell.shade.clamp(0.0, 1.0) } else { 0.0 };
+    let opacity = 0.12 + 0.6 * shade;
+    let _ = write!(
+        out,
+        "<rect class=\"f1\" x=\"{x_px}\" y=\"{y_px}\" width=\"{w}\" height=\"{h}\" fill=\"{}\" fill-opacity=\"{opacity:.2}\">\
+         <title>{}</title></rect>",
+        PALETTE[1],
+        escape(&cell.hint)
+    );
+    let first = y + height / 2.0 + 4.0 - 7.0 * (cell.lines.len().saturating_sub(1)) as f64;
+    for (k, line) in cell.lines.iter().enumerate() {
+        text(out, x + width / 2.0, first + 14.0 * k as f64, "middle", "ink", INK, line);
+    }
+}
+
+fn text(out: &mut String, x: f64, y: f64, anchor: &str, class: &str, colour: &str, text: &str) {
+    let (x, y, text) = (px(x), px(y), escape(text));
+    let _ = write!(
+        out,
+        "<text class=\"{class}\" x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" fill=\"{colour}\" pointer-events=\"none\">{text}</text>"
+    );
+}
+
+fn shortened(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    text.chars().take(most.saturating_sub(1)).chain(['\u{2026}']).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn opacities(svg: &str) -> Vec<f64> {
+        let after = svg.split("fill-opacity=\"").skip(1).filter_map(|rest| rest.split('"').next());
+        after.map(|text| text.parse().unwrap()).collect()
+    }
+
+    fn map(shades: &[Option<f64>]) -> Map {
+        let cell = |shade: &Option<f64>| {
+            shade.map(|shade| Patch { shade, lines: vec!["<1 %".into()], hint: "a \"hint\"".into() })
+        };
+        Map {
+            name: "m".into(),
+            columns: shades.iter().map(|_| "forward".into()).collect(),
+            rows: vec![("standing & walking".into(), shades.iter().map(cell).collect())],
+            ..Map::default()
+        }
+    }
+
+    #[test]
+    fn greater_shares_are_darker_and_empty_cells_have_no_shade() {
+        let found = opacities(&map(&[Some(0.1), None, Some(0.7), Some(1.0)]).inline_svg());
+        assert_eq!(found.len(), 3);
+        assert!(found.is_sorted_by(|a, b| a < b), "{found:?}");
+    }
+
+    #[test]
+    fn hostile_values_draw_something_finite() {
+        for shade in [f64::NAN, f64::INFINITY, -3.0, 1e300] {
+            let svg = map(&[Some(shade)]).inline_svg();
+            assert!(!svg.contains("NaN") && !svg.contains("inf") && svg.contains("&lt;1 %"), "{svg}");
+            assert!(opacities(&svg).iter().all(|it| (0.0..=1.0).contains(it)));
+        }
+        assert!(Map::default().inline_svg().contains("nothing"));
+    }
+}

@@ -1,0 +1,175 @@
+//! The verb `diagnose` as a user meets it, on a plain world that is played in moments.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use asami::scenario::{self, Origin};
+use asami_dataset::{Dataset, Log, store};
+use asami_gap::Diagnosis;
+use asami_gap::diagnosis::Verdict;
+
+/// Section 4.4.2's simulator with less noise on bearings, so that minutes say enough.
+const SCENARIO: &str = r#"
+schema = 1
+about = "What does a small world leave out?"   # a remark
+study = "plane"
+robot = "plain"
+duration_s = 300
+seeds = 1
+first_seed = 1000
+[start]
+y_m = 0.0
+[plain.sight]
+sigma2_rad = 0.05
+[[field.beacons]]
+id = 0
+body = { x_m = 1.95, y_m = 1.35, radius_m = 0.05, base_m = 0.1, height_m = 0.2, bands = ["pink", "yellow"] }
+[[field.beacons]]
+id = 1
+body = { x_m = -1.95, y_m = -1.35, radius_m = 0.05, base_m = 0.1, height_m = 0.2, bands = ["blue", "pink"] }
+[[rows]]
+learner = "em_published"
+start = "attempted"
+"#;
+
+fn run(program: &str, arguments: &[&str]) -> Output {
+    Command::new(program).args(arguments).output().expect("the program starts")
+}
+
+fn said(bytes: &[u8]) -> String {
+    let text = String::from_utf8_lossy(bytes).into_owned();
+    text.split_whitespace().filter(|word| !["│", "×"].contains(word)).collect::<Vec<_>>().join(" ")
+}
+
+/// A folder with the small world in it.
+struct Bench {
+    folder: tempfile::TempDir,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("made");
+        std::fs::write(folder.path().join("small.toml"), SCENARIO).expect("written");
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// A data set of the small world with these effects.
+    fn log(&self, name: &str, seed: &str, effects: &[&str]) -> PathBuf {
+        let (scenario, out) = (self.path("small.toml"), self.path(name));
+        let mut arguments = vec!["--seed", seed, "-o", utf8(&out), utf8(&scenario)];
+        effects.iter().for_each(|effect| arguments.extend(["--effect", effect]));
+        let made = run(env!("CARGO_BIN_EXE_generate"), &arguments);
+        assert!(made.status.success(), "{}", said(&made.stderr));
+        // Only what a robot knows.
+        for file in ["truth.csv", "survey.toml"] {
+            std::fs::remove_file(out.join(file)).expect("was there");
+        }
+        out
+    }
+
+    fn diagnose(&self, log: &Path, out: &str, more: &[&str]) -> Output {
+        let (nominal, libraries, out) = (self.path("small.toml"), self.path("libraries"), self.path(out));
+        let fixed = [
+            "--calibrate",
+            "0",
+            "--nominal",
+            utf8(&nominal),
+            "--libraries",
+            utf8(&libraries),
+            "-o",
+            utf8(&out),
+            utf8(log),
+        ];
+        run(env!("CARGO_BIN_EXE_diagnose"), &[&fixed, more].concat())
+    }
+}
+
+fn utf8(path: &Path) -> &str {
+    path.to_str().expect("a temporary folder's name is text")
+}
+
+fn answer(folder: &Path) -> Diagnosis {
+    let text = std::fs::read_to_string(folder.join("diagnosis.json")).expect("written");
+    serde_json::from_str(&text).expect("in the form of a diagnosis")
+}
+
+/// A late command is named from its log alone; the scenario written with it generates such logs; what was played is
+/// kept, and a second run gives the same bytes.
+#[test]
+fn a_planted_effect_is_named_and_repaired() {
+    let bench = Bench::new();
+    let log = bench.log("late", "1003", &["command_delay.delay_s=0.15"]);
+    let first = bench.diagnose(&log, "first", &[]);
+    assert_eq!(first.status.code(), Some(0), "{}", said(&first.stderr));
+    let (text, heard) = (said(&first.stdout), said(&first.stderr));
+    assert!(text.contains("named: command_delay"), "{text}");
+    assert!(heard.contains("responses to effects: 0 of"), "{heard}");
+
+    let folder = bench.path("first");
+    let diagnosis = answer(&folder);
+    assert_eq!((diagnosis.verdict, &*diagnosis.which[0].effects[0]), (Verdict::Named, "command_delay"));
+    let found = diagnosis.which[0].parameters["command_delay.delay_s"];
+    assert!((found.value - 0.15).abs() < 0.05, "{found:?}");
+    assert!(diagnosis.how_far.closed.is_some_and(|closed| closed > 0.5), "{:?}", diagnosis.how_far);
+
+    let repaired = std::fs::read_to_string(folder.join("with_effect.toml")).expect("written");
+    assert!(repaired.contains("# a remark"));
+    let Ok(Origin::Simulated(simulation)) = scenario::parse("r", "r.toml", &repaired).map(|it| it.origin) else {
+        panic!("it is a simulated scenario")
+    };
+    assert_eq!(simulation.effects.command_delay.map(|it| it.delay_s), Some(found.value));
+
+    let page = std::fs::read_to_string(folder.join("report.html")).expect("written");
+    for part in ["Gap map", "Ranked causes", "Before and after", "Next experiment", "Smallest visible sizes"] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(!page.contains("NaN") && !page.contains("src=\"http"));
+
+    let second = bench.diagnose(&log, "second", &[]);
+    assert_eq!(first.stdout, second.stdout);
+    assert!(!said(&second.stderr).contains("responses to effects"), "{}", said(&second.stderr));
+    let bytes = ["first", "second"].map(|out| std::fs::read(bench.path(out).join("diagnosis.json")).expect("written"));
+    assert!(bytes[0] == bytes[1]);
+
+    // Without it in the catalogue, it is not named, and an older repair is removed.
+    let without = bench.diagnose(&log, "first", &["--without", "command_delay"]);
+    assert_eq!(without.status.code(), Some(0), "{}", said(&without.stderr));
+    let diagnosis = answer(&folder);
+    assert!(diagnosis.which.iter().all(|cause| cause.effects != ["command_delay"]), "{:?}", diagnosis.which);
+    assert_eq!(folder.join("with_effect.toml").exists(), matches!(diagnosis.verdict, Verdict::Named | Verdict::Tied));
+}
+
+/// Logs that can show nothing, and requests that mean nothing, are refused with exit 2 before anything is played.
+#[test]
+fn what_shows_nothing_is_said_and_exits_2() {
+    let bench = Bench::new();
+    let whole = store::read(&bench.log("whole", "1004", &[])).expect("written");
+    let cut = |name: &str, change: &dyn Fn(&mut Log)| {
+        let mut log = whole.log.clone();
+        change(&mut log);
+        let folder = bench.path(name);
+        store::write(&Dataset { log, ..Dataset::default() }, &folder).expect("sound");
+        folder
+    };
+    let commands = cut("no_commands", &|log| log.commands = Vec::new().into());
+    let sightings = cut("no_sightings", &|log| log.sightings = Vec::new().into());
+    let one = cut("one_row", &|log| *log = log.window(0.0..0.2));
+    for (folder, why) in [
+        (&commands, "the log has no commands"),
+        (&sightings, "the log has no sightings"),
+        (&one, "nothing can be said"),
+        (&bench.path("nowhere"), "nowhere"),
+    ] {
+        let refused = bench.diagnose(folder, "out", &[]);
+        assert_eq!(refused.status.code(), Some(2), "{}", said(&refused.stderr));
+        assert!(said(&refused.stderr).contains(why), "{why}: {}", said(&refused.stderr));
+    }
+    let mistyped = bench.diagnose(&bench.path("whole"), "out", &["--without", "comand_delay"]);
+    assert_eq!(mistyped.status.code(), Some(2));
+    assert!(said(&mistyped.stderr).contains("did you mean command_delay?"), "{}", said(&mistyped.stderr));
+    assert!(!bench.path("out").exists() && !bench.path("libraries").exists());
+}
