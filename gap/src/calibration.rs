@@ -53,6 +53,9 @@ pub struct Calibration {
 const PRIOR_NONE: f64 = 0.3;
 /// Prior probability of a cause in nobody's list.
 const PRIOR_UNKNOWN: f64 = 0.1;
+/// Probability that the evidence misleads altogether, as a library that is wrong somewhere does; without it a few such
+/// cases would have all evidence distrusted.
+const SLIP: f64 = 0.02;
 /// Folds of the cross-validation.
 const FOLDS: usize = 5;
 /// Strata of the 90 % set: below, between and above these nats of greatest evidence.
@@ -120,7 +123,9 @@ impl Calibration {
             let score = ln(prior(cause, singles)) + self.beta(cause) + weight * nats.clamp(-1e6, 1e9);
             (cause.clone(), score)
         };
-        softmax(evidence.iter().map(score).chain(none).collect())
+        let sharp = softmax(evidence.iter().map(score).chain(none).collect());
+        let even = SLIP / sharp.len() as f64;
+        sharp.into_iter().map(|(cause, p)| (cause, (1.0 - SLIP) * p + even)).collect()
     }
 
     /// The causes of the 90 % set, the most probable first; never empty.
@@ -185,6 +190,8 @@ fn softmax(scores: Vec<(String, f64)>) -> BTreeMap<String, f64> {
 
 /// Steps of the descent.
 const STEPS: usize = 400;
+/// Prior mean of the logarithm of the fade per 100 nats.
+const FADE_LN: f64 = -1.0;
 /// Prior standard deviation of what is added for a cause.
 const BETA_SD: f64 = 1.5;
 
@@ -197,7 +204,7 @@ fn fit(cases: &[&Case]) -> Calibration {
     };
     // ln tau, ln of the fade's scale, then the causes'.
     let mut at = vec![0.0; 2 + causes.len()];
-    at[1] = -3.0;
+    at[1] = FADE_LN;
     let (mut mean, mut square) = (vec![0.0; at.len()], vec![0.0; at.len()]);
     let read = |at: &[f64]| Calibration {
         tau: exp(at[0]),
@@ -225,8 +232,13 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
         let probabilities = calibration.by_block(&case.evidence);
         let top = greatest(&case.evidence);
         let fading = 1.0 + calibration.fade * top;
+        let even = SLIP / probabilities.len() as f64;
+        let of_truth = probabilities.get(&case.truth).copied().unwrap_or(0.0);
+        // The share of the truth's probability that evidence gave it.
+        let told = if of_truth > 0.0 { (of_truth - even) / of_truth } else { 0.0 };
         for (cause, p) in &probabilities {
-            let off = p - f64::from(u8::from(*cause == case.truth));
+            let sharp = (p - even) / (1.0 - SLIP);
+            let off = told * (sharp - f64::from(u8::from(*cause == case.truth)));
             let nats = case.evidence.get(cause).copied().unwrap_or(0.0).clamp(-1e6, 1e9);
             slope[0] += off * nats * calibration.tau / fading;
             slope[1] -= off * nats * calibration.tau * calibration.fade * top / (fading * fading);
@@ -236,7 +248,7 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
         }
     }
     slope[0] += at[0] / 0.25;
-    slope[1] += (at[1] + 3.0) / 4.0;
+    slope[1] += (at[1] - FADE_LN) / 4.0;
     for ((slope, at), cause) in slope[2..].iter_mut().zip(&at[2..]).zip(causes) {
         // Blocks pay for a freedom that hardly any cause needs in full.
         let sd = if is_unknown(cause) { 10.0 * BETA_SD } else { BETA_SD };
