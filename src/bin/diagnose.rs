@@ -51,7 +51,7 @@ struct Arguments {
     libraries: PathBuf,
 }
 
-const CASES: usize = 60;
+const CASES: usize = 300;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();

@@ -30,8 +30,8 @@ use progress::Listener;
 use repaired::CannotRepair;
 use shelf::{CannotShelve, Shelf, Shelved, less};
 
-/// Fewer cases calibrate nothing.
-const LEAST_CASES: usize = 40;
+/// Fewer cases, those with their effect taken out of the list among them, make probabilities flatter than they need be.
+const LEAST_CASES: usize = 200;
 
 /// What is asked of a diagnosis.
 #[derive(Clone, Debug, Default)]

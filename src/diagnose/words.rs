@@ -8,6 +8,8 @@ use asami_sim::effects::catalogue;
 
 /// Places and causes said of each.
 const MOST: usize = 3;
+/// Members of the 90 % set said.
+const MOST_OF_SET: usize = 5;
 /// Smallest visible sizes said where there is no gap.
 const MOST_VISIBLE: usize = 6;
 
@@ -37,7 +39,10 @@ pub fn text(diagnosis: &Diagnosis) -> String {
         say(if i == 0 { "which" } else { "" }, &format!("P = {:<9}{}", share(cause.probability), of_cause(cause)));
     }
     if !diagnosis.set90.is_empty() {
-        say("", &format!("90 % set: {}", diagnosis.set90.iter().map(|it| joined(it)).collect::<Vec<_>>().join("; ")));
+        let set: Vec<String> = diagnosis.set90.iter().take(MOST_OF_SET).map(|it| joined(it)).collect();
+        let more = diagnosis.set90.len().saturating_sub(MOST_OF_SET);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        say("", &format!("90 % set: {}{more}", set.join("; ")));
     }
     for group in &diagnosis.cannot_tell_apart {
         say("", &format!("this log cannot tell apart: {}", group.join(", ")));
