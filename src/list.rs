@@ -17,6 +17,7 @@ use asami_sim::sensors::camera::CameraConfig;
 use asami_sim::sensors::velodyne::VelodyneConfig;
 use asami_sim::survey::Surveying;
 
+use crate::blind;
 use crate::import;
 use crate::scenario::{self, Origin, Placement, Robot, Starting};
 
@@ -84,6 +85,13 @@ fn scenario_files(folder: &Path) -> String {
     files.sort();
     for path in files {
         let path_shown = path.display().to_string();
+        if let Ok(Some(blind)) = blind::scenario::read(&path) {
+            let logs =
+                format!("{}, {} withheld cases of {} s", blind.nominal, blind.asked.cases, blind.asked.duration_s);
+            let diagnosers = blind.asked.diagnosers.join(", ");
+            entry(&mut text, &path_shown, &blind.about, &[("logs", &logs), ("diagnosers", &diagnosers)]);
+            continue;
+        }
         match scenario::read(&path) {
             Ok(scenario) => {
                 let origin = match &scenario.origin {

@@ -30,6 +30,10 @@ fn shipped() -> Vec<PathBuf> {
 fn every_shipped_scenario_is_read_and_expects_something() {
     assert!(shipped().len() >= 2);
     for path in shipped() {
+        // Those are read by `asami::blind`.
+        if path.file_stem().is_some_and(|stem| stem.to_string_lossy().starts_with("blind_")) {
+            continue;
+        }
         match scenario::read(&path) {
             Ok(scenario) => assert!(!scenario.expect.is_empty(), "{} expects nothing", path.display()),
             Err(bad) => panic!("{}", shown(&bad)),

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use asami::sweep::progress::Progress;
 use asami::sweep::verb::{Asked, carry_out, plan};
 use asami::sweep::{Options, manifest};
-use asami::{scenario, verb};
+use asami::{blind, diagnose, report, scenario, verb};
 use clap::Parser;
 
 /// Runs every trial of a scenario: logs across seeds, learners, starting models.
@@ -27,7 +27,7 @@ struct Arguments {
     /// Threads [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
-    /// How many seeds, instead of the scenario's number
+    /// How many seeds, of a blind scenario cases, instead of the scenario's number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     seeds: Option<u32>,
     /// Only the rows of this name, as tables have it; may be given again
@@ -41,6 +41,9 @@ struct Arguments {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     verb::main(|| {
+        if let Some(blind) = blind::scenario::read(&arguments.scenario)? {
+            return in_the_dark(blind, arguments);
+        }
         let scenario = scenario::read(&arguments.scenario)?;
         let out = arguments.output.unwrap_or_else(|| PathBuf::from("results").join(&scenario.name));
         let jobs = arguments.jobs.map(usize::from);
@@ -53,4 +56,24 @@ fn main() -> ExitCode {
         eprintln!("written to {}", options.out.display());
         Ok(if outcome.has_errors { verb::Ending::TrialErred } else { verb::Ending::Done })
     })
+}
+
+/// A blind scenario: of the options, only those on where results go and how many there are.
+fn in_the_dark(mut blind: blind::scenario::Blind, arguments: Arguments) -> Result<verb::Ending, miette::Report> {
+    if arguments.data.is_some() || !arguments.only.is_empty() {
+        miette::bail!("--data and --only are not for blind scenarios");
+    }
+    if let Some(cases) = arguments.seeds {
+        blind.asked.cases = cases as usize;
+    }
+    let out = arguments.output.unwrap_or_else(|| PathBuf::from("results").join(&blind.name));
+    let options = Options { out, jobs: arguments.jobs.map(usize::from), program: manifest::program() };
+    let libraries = PathBuf::from("results/library");
+    let listener = diagnose::progress::Progress::default();
+    let field = blind::field::Field::new(&blind, &libraries, &listener).map_err(verb::plain)?;
+    let results = blind::walk::run(&blind, &field, &options, &Progress::default()).map_err(verb::plain)?;
+    let outcome = report::blind::write(&results, &options.program, &options.out).map_err(verb::plain)?;
+    verb::print(&outcome.text);
+    eprintln!("written to {}", options.out.display());
+    Ok(if outcome.has_errors { verb::Ending::TrialErred } else { verb::Ending::Done })
 }

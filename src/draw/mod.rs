@@ -5,6 +5,7 @@
 //! report does at night).
 
 pub mod axis;
+pub mod blind;
 pub mod chapter3;
 pub mod chapter4;
 pub mod chapter5;

@@ -1,6 +1,7 @@
 //! One HTML file that says what was asked, what came out and how it was made: style, script, figures
 //! and data are all inside, so that it opens offline and can be mailed, archived or printed.
 
+pub mod blind;
 pub mod both_at_once;
 pub mod car;
 pub mod chapter4;

@@ -1,5 +1,9 @@
 //! Tables of a report: rows of cells that sort by value and show as text.
 
+use asami_dataset::store::number;
+
+use crate::sweep::rows::quoted;
+
 /// Where a row's numbers come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RowKind {
@@ -112,6 +116,25 @@ impl Table {
         self
     }
 
+    /// As comma-separated values: numbers as they are, texts as shown.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let line = |cells: Vec<String>| cells.iter().map(|cell| quoted(cell)).collect::<Vec<_>>().join(",") + "\n";
+        let text = |cell: &Cell| cell.value.map_or_else(|| cell.text.clone(), number);
+        let rows = self.rows.iter().map(|row| line(row.cells.iter().map(text).collect()));
+        std::iter::once(line(self.heads.clone())).chain(rows).collect()
+    }
+
+    /// As Markdown, with the caption above it.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let line = |cells: Vec<&str>| format!("| {} |\n", cells.join(" | "));
+        let rule: String = (0..self.heads.len()).map(|i| if self.is_numeric(i) { "---:|" } else { "---|" }).collect();
+        let rows = self.rows.iter().map(|row| line(row.cells.iter().map(|cell| cell.text.as_str()).collect()));
+        let head = line(self.heads.iter().map(String::as_str).collect());
+        format!("**{}.** {}\n\n{head}|{rule}\n{}", self.name, self.caption, rows.collect::<String>())
+    }
+
     /// Whether every value of a column is a number or missing, and at least one is a number.
     pub(crate) fn is_numeric(&self, column: usize) -> bool {
         let cells = || self.rows.iter().filter_map(|row| row.cells.get(column));
@@ -122,6 +145,15 @@ impl Table {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn tables_are_written_with_numbers_as_they_are_or_as_shown() {
+        let table = Table::new("T", &["who", "how many (m)"]).caption("Few, it is said.");
+        let table = table.row(RowKind::Ours, ["a, b".into(), Cell::number(1.25, 1)]).row(RowKind::Ours, ["c".into()]);
+        assert_eq!(table.csv(), "who,how many (m)\n\"a, b\",1.25\nc,\n");
+        let expected = "**T.** Few, it is said.\n\n| who | how many (m) |\n|---|---:|\n| a, b | 1.2 |\n| c |  |\n";
+        assert_eq!(table.markdown(), expected);
+    }
 
     #[test]
     fn numbers_read_as_printed_and_sort_as_they_are() {

@@ -12,6 +12,7 @@ pub mod wire;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use asami_dataset::parameters::Fault;
 use asami_learners::Learners;
 use serde::{Deserialize, Serialize};
 
@@ -195,6 +196,10 @@ pub fn read(path: &Path) -> Result<Scenario, Bad> {
 pub fn parse(name: &str, shown: &str, text: &str) -> Result<Scenario, Bad> {
     let table = toml::de::DeTable::parse(text).map_err(|error| Bad::syntax(shown, text, &error))?;
     wire::check_schema(table.get_ref()).map_err(|fault| Bad::faults(shown, text, &table, &[fault]))?;
+    if wire::is_blind(table.get_ref()) {
+        let message = "study \"blind\" has no learners: only `sweep` reads it".to_owned();
+        return Err(Bad::faults(shown, text, &table, &[Fault { path: "study".into(), message }]));
+    }
     let wire: wire::Wire = toml::from_str(text).map_err(|error| Bad::syntax(shown, text, &error))?;
     let mut faults = Vec::new();
     match check::scenario(name, wire, &mut faults) {

@@ -147,6 +147,12 @@ pub struct Row {
     pub with: BTreeMap<String, f64>,
 }
 
+/// Whether a file asks a blind scenario's question: `study = "blind"`.
+#[must_use]
+pub fn is_blind(table: &DeTable<'_>) -> bool {
+    table.get("study").and_then(|study| study.get_ref().as_str()) == Some("blind")
+}
+
 /// Refuses a file of another version before its keys are judged by this one's.
 ///
 /// # Errors

@@ -55,9 +55,16 @@ pub fn manifest<S: Study>(results: &Results<S>, program: &str) -> Manifest {
     let mut seeds: Vec<u64> = results.records.iter().map(|record| record.case.seed).collect();
     seeds.dedup();
     let Scenario { name, .. } = &results.scenario;
+    let counts = (results.records.len(), results.trials().count());
+    Manifest { seeds, ..of((name, results.scenario.hash()), counts, program) }
+}
+
+/// The manifest of so many cases and trials of a scenario of this name and hash, its seeds left open.
+#[must_use]
+pub fn of((scenario, scenario_hash): (&str, String), (cases, trials): (usize, usize), program: &str) -> Manifest {
     Manifest {
-        scenario: name.clone(),
-        scenario_hash: results.scenario.hash(),
+        scenario: scenario.to_owned(),
+        scenario_hash,
         version: env!("CARGO_PKG_VERSION"),
         commit: git(&["rev-parse", "HEAD"]),
         dirty: git(&["status", "--porcelain"]).map(|changes| !changes.is_empty()),
@@ -67,9 +74,9 @@ pub fn manifest<S: Study>(results: &Results<S>, program: &str) -> Manifest {
         target: env!("ASAMI_TARGET"),
         profile: env!("ASAMI_PROFILE"),
         features: Vec::new(),
-        seeds,
-        cases: results.records.len(),
-        trials: results.trials().count(),
+        seeds: Vec::new(),
+        cases,
+        trials,
     }
 }
 

@@ -1,0 +1,185 @@
+//! A diagnosis held against the key.
+
+use asami_gap::Diagnosis;
+use asami_gap::diagnosis::{Cause, Verdict};
+use asami_gap::{Likelihood, Planted, Variant};
+use serde::{Deserialize, Serialize};
+
+use super::referee::{Reference, stands_for};
+
+/// The word for no cause.
+pub const NONE: &str = "none";
+/// The word for a cause in nobody's list.
+pub const UNKNOWN: &str = "unknown";
+
+/// A row of `trials.csv`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Answer {
+    /// The answer in one word; empty where there is none.
+    pub verdict: String,
+    /// `none`, `unknown`, or names.
+    pub named: Vec<String>,
+    /// Its probability.
+    pub probability: f64,
+    /// Probability of the true cause.
+    pub true_probability: f64,
+    /// Whether the most probable cause is the truth or of its group.
+    pub top_group_right: bool,
+    /// Whether what was named is.
+    pub named_right: bool,
+    /// Whether the 90 % set holds the truth.
+    pub in_set90: bool,
+    /// Causes in that set.
+    pub set_size: usize,
+    /// Whether it acts where the truth does; of *unknown*, whether it shows in the truth's block.
+    pub place_right: Option<bool>,
+    /// Error of the size over `.67 / sqrt(2 D)` of it: 1 is the median of the best there can be.
+    pub parameter_error: Option<f64>,
+    /// Whether the parameter's 90 % interval holds its value.
+    pub parameter_covered: Option<bool>,
+    /// Nats per observation below the better of the true world and the one found.
+    pub excess_before: f64,
+    /// The same with what was named in the world.
+    pub excess_after: f64,
+    /// Share of the gap that what was named closes, where there is one.
+    pub closed: Option<f64>,
+    /// Share that the truth closes.
+    pub oracle_closed: Option<f64>,
+    /// Nats that what was named gains over *none*.
+    pub gained: f64,
+    /// What the diagnoser itself says that it closed.
+    pub closed_claimed: Option<f64>,
+    /// Of *unknown*: what it is said to behave like.
+    pub behaves_like: Option<String>,
+    /// Why there is no diagnosis; empty if there is one.
+    pub error: String,
+}
+
+/// What a diagnosis is held against.
+pub struct Key<'a> {
+    /// What was planted, and how far it shows.
+    pub reference: &'a Reference,
+    /// Whether the truth was taken out of the catalogue, so that *unknown* is the right answer.
+    pub withheld: bool,
+    /// The likelihood of the referee.
+    pub likelihood: &'a dyn Likelihood,
+    /// Every kind of effect that fits.
+    pub variants: &'a [Variant],
+}
+
+impl Key<'_> {
+    /// Whether a cause of these words is the truth.
+    fn is(&self, words: &[String]) -> bool {
+        if self.withheld {
+            return matches!(words, [word] if word.split('/').next() == Some(UNKNOWN));
+        }
+        let effects: &[String] = if words == [NONE] { &[] } else { words };
+        stands_for(effects, &self.reference.effects)
+    }
+
+    /// Holds a diagnosis against the truth.
+    #[must_use]
+    pub fn score(&self, diagnosis: &Diagnosis) -> Answer {
+        let top = diagnosis.which.first();
+        let named = named(diagnosis);
+        let cause = diagnosis.which.iter().find(|cause| cause.effects == named);
+        let in_set: Vec<&Vec<String>> = diagnosis.set90.iter().filter(|words| self.is(words)).collect();
+        // Those of the truth's group count as one.
+        let set_size = diagnosis.set90.len() - in_set.len() + usize::from(!in_set.is_empty());
+        let of_truth = diagnosis.which.iter().filter(|cause| self.is(&cause.effects));
+        let estimate = cause.and_then(|cause| self.estimate(cause));
+        let mut answer = Answer {
+            verdict: diagnosis.verdict.name().to_owned(),
+            probability: cause.map_or(0.0, |cause| cause.probability),
+            true_probability: of_truth.fold(0.0, |sum, cause| sum + cause.probability),
+            top_group_right: top.is_some_and(|top| self.is(&top.effects)),
+            named_right: self.is(&named),
+            in_set90: !in_set.is_empty(),
+            set_size,
+            place_right: cause.and_then(|cause| self.place_right(cause)),
+            parameter_error: estimate.map(|(error, _)| error),
+            parameter_covered: estimate.map(|(_, covered)| covered),
+            closed_claimed: diagnosis.how_far.closed,
+            behaves_like: cause.and_then(|cause| cause.behaves_like.clone()),
+            named,
+            ..Answer::default()
+        };
+        self.close(cause, &mut answer);
+        answer
+    }
+
+    fn place_right(&self, cause: &Cause) -> Option<bool> {
+        let effects = &self.reference.effects;
+        if effects.is_empty() {
+            return None;
+        }
+        let in_block = |block: &String| effects.iter().any(|effect| effect.block == *block);
+        let at_place = |place: &String| effects.iter().any(|effect| effect.place == *place);
+        Some(match (&cause.block, &cause.place) {
+            (Some(block), _) => in_block(block),
+            (None, Some(place)) => at_place(place),
+            (None, None) => false,
+        })
+    }
+
+    /// Error over its limit and whether the interval holds the truth, of the very effect planted alone.
+    fn estimate(&self, cause: &Cause) -> Option<(f64, bool)> {
+        let [effect] = &self.reference.effects[..] else { return None };
+        let found = cause.parameters.get(&format!("{}.{}", effect.name, effect.parameter))?;
+        let d_nats = self.reference.truth - self.reference.none;
+        if cause.effects != [effect.name.as_str()] || d_nats <= 0.0 {
+            return None;
+        }
+        let limit = 0.67 / (2.0 * d_nats).sqrt();
+        let off = (found.value - effect.value).abs() / effect.size;
+        Some((off / limit, found.interval[0] <= effect.value && effect.value <= found.interval[1]))
+    }
+
+    /// How far what was named closes the gap, by the referee's likelihood of the whole log.
+    fn close(&self, cause: Option<&Cause>, answer: &mut Answer) {
+        let Reference { none, truth, observations, .. } = *self.reference;
+        let planted = cause.map_or_else(Vec::new, |cause| self.planted(cause));
+        let found = if planted.is_empty() { none } else { self.likelihood.log_likelihood(&planted) };
+        let best = truth.max(found).max(none);
+        let n = (observations.max(1)) as f64;
+        (answer.excess_before, answer.excess_after, answer.gained) =
+            ((best - none) / n, (best - found) / n, found - none);
+        if !self.reference.effects.is_empty() && best - none > 0.0 {
+            answer.closed = Some((found - none) / (best - none));
+            answer.oracle_closed = Some((truth - none) / (best - none));
+        }
+    }
+
+    /// A cause's effects at its values, as kinds of the catalogue.
+    fn planted(&self, cause: &Cause) -> Vec<Planted> {
+        let of = |name: &String| {
+            let kinds = self.variants.iter().filter(|variant| variant.about.name == *name);
+            let value = |parameter: &str| cause.parameters.get(&format!("{name}.{parameter}")).map(|it| it.value);
+            let fits = |variant: &&Variant| {
+                let (parameter, null) = variant.sized();
+                let side = value(parameter).is_some_and(|value| (value - null) * variant.sign >= 0.0);
+                // Choices are whole numbers; what is not said is not held against a kind.
+                side && variant
+                    .choices
+                    .iter()
+                    .all(|(name, choice)| value(name).is_none_or(|value| (value - choice).abs() < 1e-6))
+            };
+            let variant = kinds.into_iter().find(fits)?.clone();
+            let (parameter, null) = variant.sized();
+            let size = (value(parameter)? - null).abs();
+            Some(Planted { variant, size })
+        };
+        cause.effects.iter().filter_map(of).collect()
+    }
+}
+
+/// What a diagnosis names: by its verdict *none*, *unknown*, or its most probable effects.
+fn named(diagnosis: &Diagnosis) -> Vec<String> {
+    let word = |word: &str| vec![word.to_owned()];
+    let effects = diagnosis.which.iter().find(|cause| cause.effects != [NONE] && cause.effects != [UNKNOWN]);
+    match diagnosis.verdict {
+        Verdict::None => word(NONE),
+        Verdict::Unknown => word(UNKNOWN),
+        Verdict::Named | Verdict::Tied => effects.map_or_else(|| word(UNKNOWN), |cause| cause.effects.clone()),
+    }
+}

@@ -1,0 +1,108 @@
+//! The diagnosers themselves, and the likelihood by which they and the referee judge.
+
+use std::path::Path;
+
+use asami_dataset::Log;
+use asami_gap::calibration::{Calibration, Case};
+use asami_gap::rivals::{AllAtOnce, ForwardSelection};
+use asami_gap::{Budget, CannotDiagnose, Diagnoser, Diagnoses, Diagnosis, Judges, Variant};
+
+use super::scenario::{Asked, Blind};
+use super::walk::Contest;
+use crate::diagnose::progress::Listener;
+use crate::diagnose::shelf::{CannotShelve, Shelf, Shelved, less};
+
+/// All that take part in a blind sweep.
+pub struct Field {
+    asked: Asked,
+    shelved: Shelved,
+    cases: Vec<Case>,
+    /// With nothing taken out of the list.
+    whole: Calibration,
+}
+
+impl Field {
+    /// The library and the calibration cases for a blind scenario: those that are kept in `libraries` are read, the others
+    /// made there.
+    ///
+    /// # Errors
+    /// [`CannotShelve`] where the nominal world cannot be played, or a file not be written.
+    pub fn new(blind: &Blind, libraries: &Path, listener: &dyn Listener) -> Result<Self, CannotShelve> {
+        let on: Vec<String> = blind.world.effects.iter().map(|effect| effect.about().name.to_owned()).collect();
+        let variants = Variant::all(blind.world.robot.name(), &on);
+        let shelf = Shelf { folder: libraries.to_owned(), budget: Budget::default(), listener };
+        let shelved = shelf.library(&blind.nominal, &blind.world, &variants)?;
+        let make = blind.asked.calibration_cases;
+        let mut cases = Vec::new();
+        if make > 0 {
+            cases = shelved.cases(&blind.world, blind.world.duration_s, make, listener)?;
+        }
+        let whole = calibrated(&cases, &[]);
+        Ok(Self { asked: blind.asked.clone(), shelved, cases, whole })
+    }
+}
+
+fn calibrated(cases: &[Case], without: &[String]) -> Calibration {
+    let left = less(cases, without);
+    if left.is_empty() { Calibration::default() } else { Calibration::learn(&left) }
+}
+
+/// Ours, with a catalogue and a calibration of its own.
+struct Ours<'a> {
+    field: &'a Field,
+    calibration: Calibration,
+    variants: Vec<Variant>,
+}
+
+impl Diagnoses for Ours<'_> {
+    fn name(&self) -> &str {
+        "asami"
+    }
+
+    fn diagnose(&self, log: &Log) -> Result<Diagnosis, CannotDiagnose> {
+        let library = &self.field.shelved.library;
+        let diagnoser = Diagnoser { library, calibration: &self.calibration, variants: &self.variants };
+        Diagnoses::diagnose(&diagnoser, log)
+    }
+}
+
+impl Contest for Field {
+    fn judges(&self) -> &dyn Judges {
+        &self.shelved.library
+    }
+
+    fn variants(&self) -> &[Variant] {
+        &self.shelved.variants
+    }
+
+    fn diagnosers(&self, without: &[String]) -> Vec<Box<dyn Diagnoses + '_>> {
+        let is_in = |variant: &&Variant| !without.iter().any(|name| name == variant.about.name);
+        let variants: Vec<Variant> = self.shelved.variants.iter().filter(is_in).cloned().collect();
+        let judges: &dyn Judges = &self.shelved.library;
+        let rivals = &self.asked.rivals;
+        let of = |name: &String| -> Box<dyn Diagnoses + '_> {
+            let variants = variants.clone();
+            match name.as_str() {
+                "all_at_once" => {
+                    let evaluations = rivals.evaluations as usize;
+                    Box::new(AllAtOnce { judges, variants, evaluations })
+                }
+                "forward_selection" => {
+                    Box::new(ForwardSelection { judges, variants, most: rivals.most_effects as usize })
+                }
+                _ => {
+                    let kept = without.is_empty().then(|| self.whole.clone());
+                    let calibration = kept.unwrap_or_else(|| calibrated(&self.cases, without));
+                    Box::new(Ours { field: self, calibration, variants })
+                }
+            }
+        };
+        self.asked.diagnosers.iter().map(of).collect()
+    }
+
+    fn fingerprint(&self) -> String {
+        // Debug shows every number by its shortest round trip: what differs at all differs here.
+        let all = format!("{:?} {:?}", self.shelved.library, self.cases);
+        blake3::hash(all.as_bytes()).to_hex().to_string()
+    }
+}

@@ -1,0 +1,259 @@
+//! A blind scenario: `study = "blind"` in a TOML file.
+
+use std::path::Path;
+
+use asami_dataset::parameters::{Fault, Parameter, Parameters, out_of_range};
+use serde::{Deserialize, Serialize};
+
+use super::Mix;
+use crate::scenario::{Bad, Origin, Scenario, Simulation, parse as parse_nominal, wire};
+
+/// Names of the diagnosers.
+pub const DIAGNOSERS: [&str; 3] = ["asami", "all_at_once", "forward_selection"];
+
+/// A checked blind scenario.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Blind {
+    /// The file's name without its extension.
+    pub name: String,
+    /// The question that it asks.
+    pub about: String,
+    /// The nominal world's scenario.
+    pub nominal: String,
+    /// The nominal world, with the length of these logs.
+    pub world: Simulation,
+    /// Everything else.
+    pub asked: Asked,
+}
+
+/// What is asked, as it stands in the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Asked {
+    /// Version of the format.
+    pub schema: i64,
+    /// `blind`.
+    pub study: String,
+    /// The question.
+    pub about: String,
+    /// The nominal world's scenario file, beside this one.
+    pub nominal: String,
+    /// Length of each log.
+    pub duration_s: f64,
+    /// How many cases.
+    pub cases: usize,
+    /// What every draw follows from.
+    pub salt: String,
+    /// How many effects are planted.
+    #[serde(default)]
+    pub mix: Mix,
+    /// Whether the group of each case's true effect is taken out of the catalogue.
+    #[serde(default)]
+    pub without_truth: bool,
+    /// Effects that act alike whatever their sizes, by groups: part of the question, so that they are frozen before
+    /// any key is opened.
+    #[serde(default)]
+    pub groups: Vec<Vec<String>>,
+    /// How many planted cases the probabilities are calibrated on, drawn by a salt of their own; none: the evidence is
+    /// taken as it is.
+    #[serde(default)]
+    pub calibration_cases: usize,
+    /// Who diagnoses.
+    pub diagnosers: Vec<String>,
+    /// What rivals may spend.
+    #[serde(default)]
+    pub rivals: Rivals,
+    /// The expected answers.
+    #[serde(default)]
+    pub expect: Vec<Expect>,
+}
+
+asami_dataset::parameters! {
+    /// What the rivals may spend on a log.
+    pub struct Rivals {
+        /// Likelihoods that `all_at_once` may ask for.
+        evaluations: u32 = 2000, "1", 10.0..=1000000.0;
+        /// Effects that `forward_selection` may add.
+        most_effects: u32 = 2, "1", 1.0..=10.0;
+    }
+}
+
+/// What is measured over cases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Measure {
+    /// Share of the planted cases whose most probable cause is of the truth's group.
+    TopGroupRight,
+    /// Share of the cases whose 90 % set holds the truth.
+    InSet90,
+    /// Mean number of causes in the 90 % set.
+    SetSize,
+    /// Share of the cases without an effect that are called anything but *none*.
+    NoneCalledElse,
+    /// Share of the answers with a probability of 0.9 and more that are wrong.
+    ConfidentWrong,
+    /// Share of the cases called *unknown*.
+    Unknown,
+    /// Share of the planted cases whose place is right.
+    PlaceRight,
+    /// Median error of the size over the limit of what the log shows.
+    ParameterError,
+    /// Share of the 90 % intervals that hold the true size.
+    ParameterCovered,
+    /// Nats gained by what was named over nats gained by the truth, both summed.
+    ClosedRatio,
+    /// The same of single cases: their 10th percentile.
+    ClosedLow,
+    /// Mean distance between probability and share right, over ten bins of probability.
+    CalibrationError,
+}
+
+/// An expected answer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Expect {
+    /// Whose.
+    pub diagnoser: String,
+    /// Of what.
+    pub measure: Measure,
+    /// Only over cases whose truth is separated by at least so many nats.
+    pub d_sep_min: Option<f64>,
+    /// Only over cases whose truth is separated by less.
+    pub d_sep_max: Option<f64>,
+    /// Only over cases with so many effects.
+    pub effects: Option<usize>,
+    /// It is at least this.
+    pub min: Option<f64>,
+    /// It is at most this.
+    pub max: Option<f64>,
+}
+
+const CASES: Parameter = number("cases", "1", (1.0, 100_000.0));
+const DURATION: Parameter = number("duration_s", "s", (1.0, 3600.0));
+
+const fn number(name: &'static str, unit: &'static str, range: (f64, f64)) -> Parameter {
+    Parameter { name, unit, default: 0.0, range, about: "" }
+}
+
+/// Reads and checks a blind scenario; `None` where the file asks another kind of question, or is no TOML at all,
+/// which [`crate::scenario::read`] says better.
+///
+/// # Errors
+/// [`Bad`] shows where in the file what rule is broken by which value.
+pub fn read(path: &Path) -> Result<Option<Blind>, Bad> {
+    let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
+    let shown = path.display().to_string();
+    let name = path.file_stem().map_or_else(|| shown.clone(), |stem| stem.to_string_lossy().into_owned());
+    let folder = path.parent().unwrap_or(Path::new("."));
+    parse(&name, &shown, &text, &|nominal| {
+        let path = folder.join(format!("{nominal}.toml"));
+        std::fs::read_to_string(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))
+    })
+}
+
+/// Checks the text of a blind scenario; `shown` is the file's name in errors, `nominal` gives the text of the nominal
+/// world's scenario by its name.
+///
+/// # Errors
+/// [`Bad`] shows where in the text what rule is broken by which value.
+pub fn parse(
+    name: &str,
+    shown: &str,
+    text: &str,
+    nominal: &dyn Fn(&str) -> Result<String, String>,
+) -> Result<Option<Blind>, Bad> {
+    let Ok(table) = toml::de::DeTable::parse(text) else { return Ok(None) };
+    if !wire::is_blind(table.get_ref()) {
+        return Ok(None);
+    }
+    wire::check_schema(table.get_ref()).map_err(|fault| Bad::faults(shown, text, &table, &[fault]))?;
+    let asked: Asked = toml::from_str(text).map_err(|error| Bad::syntax(shown, text, &error))?;
+    let mut faults = asked.faults();
+    let world = world(&asked, nominal);
+    match world {
+        Ok(world) if faults.is_empty() => {
+            let (about, nominal) = (asked.about.clone(), asked.nominal.clone());
+            Ok(Some(Blind { name: name.to_owned(), about, nominal, world, asked }))
+        }
+        found => {
+            faults.extend(found.err().map(|message| Fault { path: "nominal".to_owned(), message }));
+            Err(Bad::faults(shown, text, &table, &faults))
+        }
+    }
+}
+
+fn world(asked: &Asked, nominal: &dyn Fn(&str) -> Result<String, String>) -> Result<Simulation, String> {
+    let text = nominal(&asked.nominal)?;
+    let scenario: Scenario =
+        parse_nominal(&asked.nominal, &asked.nominal, &text).map_err(|bad| format!("{}: {bad}", asked.nominal))?;
+    match scenario.origin {
+        Origin::Simulated(world) => Ok(Simulation { duration_s: asked.duration_s, ..*world }),
+        Origin::Recorded(_) => Err(format!("{} is about a recorded log, into which nothing is planted", asked.nominal)),
+    }
+}
+
+impl Asked {
+    fn faults(&self) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        let mut fault = |path: String, message: String| faults.push(Fault { path, message });
+        if self.about.trim().is_empty() {
+            fault("about".into(), "about must state the question that the scenario asks, not nothing".into());
+        }
+        if self.mix.none_share + self.mix.one_share > 1.0 + 1e-9 {
+            fault("mix".into(), "none_share and one_share must not exceed 1 together".into());
+        }
+        let names: Vec<&str> = asami_sim::effects::catalogue().into_iter().map(|about| about.name).collect();
+        for (i, group) in self.groups.iter().enumerate() {
+            for effect in group.iter().filter(|effect| !names.contains(&effect.as_str())) {
+                fault(format!("groups.{i}"), format!("there is no effect {effect}"));
+            }
+        }
+        if self.diagnosers.is_empty() {
+            fault("diagnosers".into(), "diagnosers must hold at least one".into());
+        }
+        for (i, diagnoser) in self.diagnosers.iter().enumerate() {
+            if !DIAGNOSERS.contains(&diagnoser.as_str()) {
+                let known: Vec<_> = DIAGNOSERS.iter().map(|name| format!("`{name}`")).collect();
+                let message = format!("unknown diagnoser `{diagnoser}`, expected one of {}", known.join(", "));
+                fault(format!("diagnosers.{i}"), message);
+            }
+        }
+        for (i, expect) in self.expect.iter().enumerate() {
+            if !self.diagnosers.contains(&expect.diagnoser) {
+                fault(format!("expect.{i}.diagnoser"), format!("{} is none of the diagnosers", expect.diagnoser));
+            }
+            if expect.min.is_none() && expect.max.is_none() {
+                fault(format!("expect.{i}"), "an expected answer must have min, max or both".into());
+            }
+        }
+        faults.extend(out_of_range("", &CASES, self.cases as f64));
+        faults.extend(out_of_range("", &DURATION, self.duration_s));
+        self.mix.check("mix", &mut faults);
+        self.rivals.check("rivals", &mut faults);
+        faults
+    }
+
+    /// The group of an effect, itself among it.
+    #[must_use]
+    pub fn group<'a>(&'a self, effect: &'a str) -> Vec<&'a str> {
+        let group = self.groups.iter().find(|group| group.iter().any(|it| it == effect));
+        group.map_or_else(|| vec![effect], |group| group.iter().map(String::as_str).collect())
+    }
+}
+
+impl Blind {
+    /// `blake3:` and the hash of everything that bears on a case's diagnosis: not the prose, the number of cases or the
+    /// expected answers.
+    #[must_use]
+    pub fn hash(&self) -> String {
+        let mut bearing = self.clone();
+        bearing.about.clear();
+        bearing.asked.about.clear();
+        bearing.asked.expect.clear();
+        bearing.asked.cases = 0;
+        bearing.world.seeds = 0;
+        // Serialising to memory fails only for maps with keys that are no strings: there are none.
+        let bytes = serde_json::to_vec(&bearing).unwrap_or_default();
+        format!("blake3:{}", blake3::hash(&bytes).to_hex())
+    }
+}

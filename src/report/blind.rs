@@ -1,0 +1,155 @@
+//! The report of a blind sweep, and all its files.
+
+use std::path::Path;
+
+use super::sweep::{arranged, made_with, verdicts_section, write_plates};
+use super::{CannotWrite, Cell, Plate, Report, RowKind, Section, Table};
+use crate::blind::rows;
+use crate::blind::scenario::Measure;
+use crate::blind::tables::{self, planted_alone};
+use crate::blind::tally::{Asked, Share, asked, measure, power, reliability};
+use crate::blind::walk::{Record, Results};
+use crate::draw::{Figure, blind as curves};
+use crate::sweep::cases::write_whole;
+use crate::sweep::verdict::{self, Verdict};
+use crate::sweep::{CannotSweep, Finished, manifest};
+
+/// Writes `trials.csv`, `timings.csv`, `manifest.json`, tables, figures and `report.html` under `out`.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, CannotSweep> {
+    let write = |name: &str, text: &str| write_whole(&out.join(name), text.as_bytes());
+    write("trials.csv", &rows::trials(results))?;
+    write("timings.csv", &rows::timings(results))?;
+    let tables = tables::all(results);
+    for (name, table) in &tables {
+        write(&format!("{name}.csv"), &table.csv())?;
+        write(&format!("{name}.md"), &table.markdown())?;
+    }
+    let cases = results.records.len();
+    let counts = (cases, cases * results.blind.asked.diagnosers.len());
+    let manifest = manifest::of((&results.blind.name, results.blind.hash()), counts, program);
+    let path = out.join("manifest.json");
+    let text = serde_json::to_string_pretty(&manifest).map_err(std::io::Error::other);
+    write("manifest.json", &(text.map_err(CannotSweep::file("serialise", &path))? + "\n"))?;
+
+    let verdicts = tables::verdicts(results);
+    let figures = figures(results);
+    let mut report = Report::new(&results.blind.name, &results.blind.about)
+        .answer(answer(results, &verdicts))
+        .as_expected(verdict::all_hold(&verdicts));
+    for (_, table) in tables.iter().filter(|(name, _)| !name.starts_with("confusion") && name != "power") {
+        report = report.section(Section::new(&table.name).table(table.clone()));
+    }
+    if !verdicts.is_empty() {
+        report = report.section(verdicts_section(&verdicts));
+    }
+    report = report.section(arranged(Section::new("Curves"), figures.iter().map(Plate::from)));
+    for (_, table) in tables.iter().filter(|(name, _)| name.starts_with("confusion") || name == "power") {
+        report = report.section(Section::new(&table.name).table(table.clone()));
+    }
+    report = report.section(every_case(results)).footnote(
+        "D_sep: log-likelihood of the log in the true world less that of the best hypothesis outside the truth's group, each \
+         less half k log n, by the referee's likelihood, which is the same for all diagnosers. An effect is of the \
+         truth's group where the scenario says so, or where predictions under the two part by less than 3 nats in that log. \
+         What a diagnosis closes is measured by the referee on the whole log.",
+    );
+    let failed = |error: CannotWrite| CannotSweep::file("write", &error.path)(error.source);
+    made_with(report, &manifest).write(&out.join("report.html")).map_err(failed)?;
+    write_plates(figures.iter().map(Plate::from), out)?;
+    Ok(finished(results, &tables, &verdicts))
+}
+
+fn finished(results: &Results, tables: &[(String, Table)], verdicts: &[Verdict]) -> Finished {
+    let broken: Vec<&Record> = results.records.iter().filter(|record| record.is_broken()).collect();
+    let shown = tables.iter().take(2).map(|(_, table)| format!("\n{}", table.markdown()));
+    let errors = broken.iter().map(|record| {
+        let error = record.answers.iter().map(|answer| &answer.error).find(|error| !error.is_empty());
+        format!("\nERROR: case {}: {}", record.number, error.unwrap_or(&record.error))
+    });
+    let text = format!(
+        "{}\n{}{}{}\n",
+        results.blind.about,
+        shown.collect::<String>(),
+        verdict::text(verdicts),
+        errors.collect::<String>()
+    );
+    Finished { text, has_errors: !broken.is_empty() }
+}
+
+/// What came out, in two sentences.
+fn answer(results: &Results, verdicts: &[Verdict]) -> String {
+    let Some(name) = results.blind.asked.diagnosers.first() else { return String::new() };
+    let separated: Vec<Asked<'_>> =
+        asked(results, 0).filter(|it| it.is_planted() && it.reference.d_sep >= 10.0).collect();
+    let right = measure(Measure::TopGroupRight, &separated).share.unwrap_or_default();
+    let all: Vec<Asked<'_>> = asked(results, 0).collect();
+    let none = measure(Measure::NoneCalledElse, &all).share.unwrap_or_default();
+    let Share { count, of } = right;
+    let expected = verdict::in_words(verdicts);
+    format!(
+        "`{name}` puts the true cause first in {count} of {of} cases that separate it by 10 nats and more, and calls {} of \
+         {} logs without an effect anything else.{expected}",
+        none.count, none.of
+    )
+}
+
+/// A share as a point with half its interval.
+fn bar(x: f64, share: Share) -> [f64; 3] {
+    let half = share.interval().map_or(0.0, |[low, high]| 0.5 * (high - low));
+    [x, share.value().unwrap_or(f64::NAN), half]
+}
+
+fn figures(results: &Results) -> Vec<Figure> {
+    let diagnosers = || results.blind.asked.diagnosers.iter().enumerate();
+    let curve = |i: usize| reliability(asked(results, i)).iter().map(|bin| bar(bin.probability, bin.right)).collect();
+    let reliability: Vec<curves::Bars> = diagnosers().map(|(i, name)| (name.clone(), curve(i))).collect();
+    let dots = |i: usize| {
+        let planted = asked(results, i).filter(|it| it.is_planted() && it.reference.d_sep < 100.0);
+        planted.map(|it| [it.reference.d_sep, it.answer.true_probability]).collect::<Vec<_>>()
+    };
+    let separation: Vec<_> = diagnosers().take(1).map(|(i, name)| (name.clone(), dots(i))).collect();
+    let mut figures = vec![curves::reliability(&reliability), curves::separation(&separation)];
+    for effect in planted_alone(results) {
+        let parameter = results.records.iter().filter_map(|record| record.reference.as_ref());
+        let parameter =
+            parameter.flat_map(|it| &it.effects).find(|it| it.name == effect).map(|it| it.parameter.as_str());
+        let points = |i: usize| {
+            let power = power(asked(results, i), &effect);
+            power
+                .iter()
+                .map(|point| bar(asami_math::elementary::ln(point.size) / std::f64::consts::LN_10, point.right))
+                .collect()
+        };
+        let series: Vec<curves::Bars> = diagnosers().map(|(i, name)| (name.clone(), points(i))).collect();
+        figures.push(curves::power(&effect, parameter.unwrap_or_default(), &series));
+    }
+    figures
+}
+
+fn every_case(results: &Results) -> Section {
+    let heads = ["case", "diagnoser", "planted", "D_sep", "verdict", "named", "P", "P of truth", "right", "error"];
+    let mut table = Table::new("Every case", &heads).caption("Everything else is in `trials.csv`.");
+    for record in &results.records {
+        for (name, answer) in results.blind.asked.diagnosers.iter().zip(&record.answers) {
+            let planted = if record.planted.is_empty() { "none".to_owned() } else { record.planted.join("+") };
+            let d_sep = record.reference.as_ref().map_or(f64::NAN, |reference| reference.d_sep);
+            let error = if record.error.is_empty() { &answer.error } else { &record.error };
+            let cells: [Cell; 10] = [
+                Cell::number(record.number as f64, 0),
+                name.as_str().into(),
+                planted.into(),
+                Cell::number(d_sep, 1),
+                answer.verdict.as_str().into(),
+                answer.named.join("+").into(),
+                Cell::number(answer.probability, 3),
+                Cell::number(answer.true_probability, 3),
+                if answer.top_group_right { "yes" } else { "no" }.into(),
+                error.as_str().into(),
+            ];
+            table = table.row(if answer.top_group_right { RowKind::Ours } else { RowKind::Reference }, cells);
+        }
+    }
+    Section::new("Every case").folded().table(table)
+}
