@@ -229,7 +229,7 @@ fn how_far(diagnosis: &Diagnosis) -> Section {
         section = section.figure(&before_and_after(diagnosis));
     }
     section = section.table(table);
-    if far.comment.is_empty() { section } else { section.text(format!("Measured in {}.", far.comment)) }
+    if far.comment.is_empty() { section } else { section.text(format!("About these numbers: {}.", far.comment)) }
 }
 
 /// Root mean squares with the cause in the world, in shares of those without.
