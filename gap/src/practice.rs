@@ -64,6 +64,7 @@ pub fn practise(
     let run = play(nominal, &planted, seed, until_s)?;
     let Ok(judge) = Judge::new(&run.log, library) else { return Ok(Vec::new()) };
     let findings = Findings::new(&judge, variants);
+    let planted = shown(&judge, planted);
     let truth = cause(&planted);
     let absorbed_nats = (findings.leader == truth && !planted.is_empty()).then(|| absorbed_nats(&findings.blocks));
     let evidence = findings.evidence();
@@ -78,6 +79,15 @@ pub fn practise(
     }
     cases.push(Case { truth, evidence, absorbed_nats });
     Ok(cases)
+}
+
+/// Of two effects the one alone, where the log does not show the other beside it: nobody can be asked to name it.
+fn shown(judge: &Judge<'_>, planted: Vec<Planted>) -> Vec<Planted> {
+    let [a, b] = planted.as_slice() else { return planted };
+    let both = judge.log_likelihood(&planted);
+    let alone = [a, b].map(|it| judge.log_likelihood(std::slice::from_ref(it)));
+    let better = if alone[0] > alone[1] { 0 } else { 1 };
+    if both - alone[better] < SPLIT_NATS { vec![planted[better].clone()] } else { planted }
 }
 
 /// Whether an effect left in the list explains all that the one taken out does: then it is no mistake to name it.
