@@ -44,7 +44,7 @@ impl CarGraph {
 }
 
 impl Learner for CarGraph {
-    fn learn(&self, log: &Log, _given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
-        self.car().learn(log)
+    fn learn(&self, log: &Log, given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
+        self.car().learn(log, given)
     }
 }

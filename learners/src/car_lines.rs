@@ -41,7 +41,7 @@ impl CarLines {
 }
 
 impl Learner for CarLines {
-    fn learn(&self, log: &Log, _given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
-        self.car().learn(log)
+    fn learn(&self, log: &Log, given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
+        self.car().learn(log, given)
     }
 }

@@ -50,7 +50,7 @@ impl CarPublished {
 }
 
 impl Learner for CarPublished {
-    fn learn(&self, log: &Log, _given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
-        self.car().learn(log)
+    fn learn(&self, log: &Log, given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
+        self.car().learn(log, given)
     }
 }

@@ -31,7 +31,7 @@ impl CarSides {
 }
 
 impl Learner for CarSides {
-    fn learn(&self, log: &Log, _given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
-        self.car().learn(log)
+    fn learn(&self, log: &Log, given: &Models, _rng: &mut Rng) -> Result<Learned, CannotLearn> {
+        self.car().learn(log, given)
     }
 }

@@ -49,7 +49,8 @@ pub enum Needs {
     /// All models, to start from: a table of velocities (an action without an entry counts as having no
     /// effect), height or range as a function of distance, and the noise of sensor and motion.
     Both,
-    /// No starting model, but the firings of a car's laser scanner, or odometry in their place.
+    /// The firings of a car's laser scanner, or odometry in their place; an action model of pedals, if one is given, tells where the
+    /// matching of scans begins.
     Firings,
 }
 

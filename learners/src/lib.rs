@@ -13,6 +13,7 @@ pub mod car_best;
 pub mod car_graph;
 pub mod car_lines;
 pub mod car_published;
+pub mod car_registered;
 pub mod car_sides;
 pub mod degree_selection;
 pub mod dual_ekf;
@@ -141,5 +142,6 @@ learners! {
     car_lines => CarLines,
     car_alternating => CarAlternating,
     car_sides => CarSides,
+    car_registered => CarRegistered,
     car_best => CarBest,
 }

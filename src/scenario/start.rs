@@ -39,6 +39,10 @@ pub enum Start {
     SigmaMHalf,
     /// As published, standard deviations of the motion doubled.
     SigmaMDouble,
+    /// Chapter 5's: a good action model for the first guess of scan matching, the one that fits the reference's motions best.
+    ReferenceCar,
+    /// A poor one: the same with all coefficients halved.
+    HalfCar,
 }
 
 impl Start {
@@ -69,6 +73,8 @@ impl Start {
             Start::FWorse3 => "f_worse_3",
             Start::SigmaMHalf => "sigma_m_half",
             Start::SigmaMDouble => "sigma_m_double",
+            Start::ReferenceCar => "reference_car",
+            Start::HalfCar => "half_car",
         }
     }
 
@@ -76,7 +82,8 @@ impl Start {
     #[must_use]
     pub fn fits(self, needs: Needs) -> bool {
         match needs {
-            Needs::Nothing | Needs::Firings => false,
+            Needs::Nothing => false,
+            Needs::Firings => matches!(self, Start::ReferenceCar | Start::HalfCar),
             Needs::Action => matches!(self, Start::C | Start::Sgn | Start::One | Start::ReferenceQuartic),
             Needs::Sensor => self == Start::ReferenceCubic,
             Needs::Both => Start::CHAPTER_4.contains(&self),

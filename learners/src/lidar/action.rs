@@ -28,6 +28,15 @@ pub struct Coefficients {
 }
 
 impl Coefficients {
+    /// Of a model of pedals; `None` of any other.
+    #[must_use]
+    pub fn of(model: &ActionModel) -> Option<Self> {
+        match model {
+            ActionModel::Car { c, se, .. } => Some(Self { c: *c, se: *se }),
+            _ => None,
+        }
+    }
+
     /// As a model.
     #[must_use]
     pub fn model(&self, delay_s: f64) -> ActionModel {

@@ -7,6 +7,7 @@ mod angles;
 mod cloud;
 mod drive;
 mod forward;
+mod free_run;
 mod matching;
 mod odometry;
 mod offsets;
@@ -26,6 +27,7 @@ pub use angles::{Angles, chain, graph};
 pub use cloud::{Cut, cloud};
 pub use drive::{Drive, Scan};
 pub use forward::{Direction, angle_median};
+pub use free_run::{FreeRun, Run, free_run};
 pub use matching::{Distance, Match, Matching, Target, align};
 pub use odometry::{Motion, Odometry};
 pub use offsets::{Offsets, Slope, from_slopes, slopes};
@@ -60,9 +62,9 @@ pub struct Car {
 /// Where the matching of two scans begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// At no motion and, once there is an action model, at what that predicts; points stay where they were measured.
+    /// At what the action model predicts, at first one that is given, or else at no motion; points stay where they were measured.
     ActionModel,
-    /// At the motion of the pair before; points are set back by the car's motion during the turn.
+    /// At the motion of the pair before, or what a given action model predicts; points are set back by the car's motion during the turn.
     PairBefore,
 }
 
@@ -73,6 +75,8 @@ pub enum Fit {
     Published,
     /// Pedals averaged over the very time of the acceleration, the actuators' delay found, within what tyres can do.
     Registered(Registered),
+    /// The same, but what comes nearest is the roll-out over the whole drive.
+    FreeRun(FreeRun),
 }
 
 /// What scan matching found.
@@ -104,12 +108,12 @@ impl Car {
         }
     }
 
-    /// Learns the lasers' angles and the action model. A log without firings but with odometry of its own gives an action model
+    /// Learns the lasers' angles and the action model. An action model of pedals in `given` says where the matching of scans begins. A log without firings but with odometry of its own gives an action model
     /// alone; one without pedals, the angles alone.
     ///
     /// # Errors
     /// [`CannotLearn`] where the log has neither firings nor odometry, or its firings cannot be read.
-    pub fn learn(&self, log: &Log) -> Result<Learned, CannotLearn> {
+    pub fn learn(&self, log: &Log, given: &Models) -> Result<Learned, CannotLearn> {
         if log.firings.is_none() && !log.odometry.is_empty() {
             return self.by_odometry(log);
         }
@@ -123,9 +127,10 @@ impl Car {
             cut: self.cut,
             matching: self.matching,
         };
+        let starts = given.action.as_ref().and_then(Coefficients::of).map(|model| guessed(&model, log, &scans));
         let found = match self.start {
-            Start::ActionModel => self.iterate(log, &odometry),
-            Start::PairBefore => self.once(log, odometry.in_motion()),
+            Start::ActionModel => self.iterate(log, &odometry, starts.unwrap_or_default()),
+            Start::PairBefore => self.once(log, odometry.in_motion(&starts.unwrap_or_default())),
         };
         let mut lacks = lacks(&angles, &found, scans.len());
         lacks.extend(self.pedal_lack(log, &found.coefficients));
@@ -174,8 +179,7 @@ impl Car {
     }
 
     /// Lines 2 to 6 of Algorithm 3, each scan pair by itself.
-    fn iterate(&self, log: &Log, odometry: &Odometry<'_>) -> Found {
-        let mut starts = Vec::new();
+    fn iterate(&self, log: &Log, odometry: &Odometry<'_>, mut starts: Vec<Rigid>) -> Found {
         let mut before: Vec<Option<Motion>> = Vec::new();
         let mut iterations = 0;
         loop {
@@ -219,12 +223,12 @@ impl Car {
     }
 
     fn fitted(&self, log: &Log, stretches: &[Stretch]) -> (Option<Coefficients>, f64) {
-        match self.fit {
-            Fit::Published => (regress(stretches), 0.0),
-            Fit::Registered(fit) => {
-                fit.learn(stretches, &log.commands).map_or((None, 0.0), |(c, delay_s)| (Some(c), delay_s))
-            }
-        }
+        let found = match self.fit {
+            Fit::Published => regress(stretches).map(|coefficients| (coefficients, 0.0)),
+            Fit::Registered(fit) => fit.learn(stretches, &log.commands),
+            Fit::FreeRun(fit) => fit.learn(stretches, &log.commands),
+        };
+        found.map_or((None, 0.0), |(coefficients, delay_s)| (Some(coefficients), delay_s))
     }
 
     fn pedal_lack(&self, log: &Log, coefficients: &Option<Coefficients>) -> Option<Lack> {
@@ -232,6 +236,17 @@ impl Car {
         let undetermined = coefficients.is_none_or(|coefficients| coefficients.se.is_none());
         undetermined.then_some(Lack::Pedals { found: pedals })
     }
+}
+
+/// The same by a model that was given, from a standstill on. Which way is forward nobody knows yet: it is taken for the middle of the
+/// lasers.
+fn guessed(model: &Coefficients, log: &Log, scans: &[Scan]) -> Vec<Rigid> {
+    let stretch = |pair: &[Scan]| {
+        let (t_s, dt_s) = (pair[0].t_s, pair[1].t_s - pair[0].t_s);
+        let pedals = action::pedals(&log.commands, t_s, t_s + dt_s)?;
+        Some(Stretch { t_s, dt_s, v_m_per_s: 0.0, omega_rad_per_s: 0.0, pedals })
+    };
+    predicted(model, &scans.windows(2).filter_map(stretch).collect::<Vec<_>>(), scans, 0.0)
 }
 
 /// Where the model's prediction says each pair's later scan was taken, in the frame of the relative angles; no motion where it says nothing.

@@ -89,11 +89,11 @@ impl Odometry<'_> {
         (0..self.scans.len().saturating_sub(1)).map(pair).collect()
     }
 
-    /// Each pair from the motion of the one before it, points set back to where the car stood when its scan began. Twice over:
+    /// Each pair from the start given for it or else the motion of the one before it, points set back to where the car stood when its scan began. Twice over:
     /// only after the first pass is it known how fast the car was at each scan.
     #[must_use]
-    pub fn in_motion(&self) -> Vec<Option<Motion>> {
-        let first = self.first_pass();
+    pub fn in_motion(&self, starts: &[Rigid]) -> Vec<Option<Motion>> {
+        let first = self.first_pass(starts);
         let rate_of = |i: Option<usize>| i.and_then(|i| first.get(i).copied().flatten()).map(|motion| rate(&motion));
         let rates: Vec<Option<Rigid>> = (0..self.scans.len())
             .map(|k| match (rate_of(k.checked_sub(1)), rate_of(Some(k))) {
@@ -114,7 +114,7 @@ impl Odometry<'_> {
             .collect()
     }
 
-    fn first_pass(&self) -> Vec<Option<Motion>> {
+    fn first_pass(&self, starts: &[Rigid]) -> Vec<Option<Motion>> {
         // Only speeds are wanted yet: fewer points do.
         let rough = Matching { tolerance_m: ROUGH * self.matching.tolerance_m, ..self.matching };
         let thinned = Self { cut: Cut { square_m: COARSER * self.cut.square_m, ..self.cut }, ..*self };
@@ -124,7 +124,8 @@ impl Odometry<'_> {
                 // Both set back at one speed: errors of the speed that differ from scan to scan would feed on themselves.
                 let (earlier, later) = (thinned.steady(i, speed), thinned.steady(i + 1, speed));
                 let dt_s = self.scans[i + 1].t_s - self.scans[i].t_s;
-                let start = speed.map_or(Rigid::default(), |speed| scaled(&speed, dt_s));
+                let going_on = || speed.map_or(Rigid::default(), |speed| scaled(&speed, dt_s));
+                let start = starts.get(i).copied().unwrap_or_else(going_on);
                 let found = align(&later, &Target::new(&earlier, &rough), start, &rough);
                 let motion = found.map(|matched| self.motion(i, matched));
                 speed = motion.as_ref().map(rate);

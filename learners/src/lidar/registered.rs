@@ -46,31 +46,45 @@ fn triangle(commands: &[Command], now: &Stretch, next: &Stretch, delay_s: f64) -
     Some(sums.map(|sum| sum / weights))
 }
 
+/// The delays up to `most_s` that are tried.
+pub(super) fn delays_s(most_s: f64) -> impl Iterator<Item = f64> {
+    let steps = (most_s / DELAY_STEP_S).floor().clamp(0.0, 100.0) as u32;
+    (0..=steps).map(|step| f64::from(step) * DELAY_STEP_S)
+}
+
+/// The stretches on which every delay up to `most_s` is judged: those whose pedals are known at the longest.
+pub(super) fn judged<'a>(stretches: &'a [Stretch], commands: &[Command], most_s: f64) -> Option<&'a [Stretch]> {
+    let known_from_s = commands.first()?.t_s + delays_s(most_s).last()?;
+    Some(&stretches[stretches.partition_point(|stretch| stretch.t_s < known_from_s)..])
+}
+
 impl Registered {
     /// The coefficients and the delay; `None` where the stretches determine nothing.
     #[must_use]
     pub fn learn(&self, stretches: &[Stretch], commands: &[Command]) -> Option<(Coefficients, f64)> {
-        let steps = (self.most_delay_s / DELAY_STEP_S).floor().clamp(0.0, 100.0) as u32;
-        // Every delay is judged on the same stretches: those whose pedals are known at the longest.
-        let longest_s = f64::from(steps) * DELAY_STEP_S;
-        let known_from_s = commands.first()?.t_s + longest_s;
-        let used = &stretches[stretches.partition_point(|stretch| stretch.t_s < known_from_s)..];
+        let used = judged(stretches, commands, self.most_delay_s)?;
+        let n = used.len() as f64;
         let mut best: Option<(f64, Coefficients, f64)> = None;
-        for step in 0..=steps {
-            let delay_s = f64::from(step) * DELAY_STEP_S;
-            if let Some((cost, coefficients)) = self.at(used, commands, delay_s)
-                && best.as_ref().is_none_or(|best| cost < best.0)
-            {
+        for delay_s in delays_s(self.most_delay_s) {
+            let Some((faster_ss, turning_ss, coefficients)) = self.at(used, commands, delay_s) else { continue };
+            let ln_variance = |residual_ss: f64| asami_math::elementary::ln((residual_ss / n).max(1e-12));
+            // Minus twice the log-likelihood of both regressions, up to a constant.
+            let cost = n * (ln_variance(faster_ss) + ln_variance(turning_ss));
+            if cost.is_finite() && best.as_ref().is_none_or(|best| cost < best.0) {
                 best = Some((cost, coefficients, delay_s));
             }
         }
         best.map(|(_, coefficients, delay_s)| (coefficients, delay_s))
     }
 
-    /// Minus twice the log-likelihood of both regressions at a delay, up to a constant, and their coefficients.
-    fn at(&self, used: &[Stretch], commands: &[Command], delay_s: f64) -> Option<(f64, Coefficients)> {
+    /// Both regressions' sums of squared residuals at a delay, and their coefficients.
+    pub(super) fn at(
+        &self,
+        used: &[Stretch],
+        commands: &[Command],
+        delay_s: f64,
+    ) -> Option<(f64, f64, Coefficients)> {
         let (mut faster, mut turning) = (Regression::new(4), Regression::new(2));
-        let mut fastest = 1.0f64;
         for (i, now) in used.iter().enumerate() {
             let v = now.v_m_per_s;
             let [_, _, steering] = pedals(commands, now.t_s - delay_s, now.t_s - delay_s + now.dt_s)?;
@@ -79,21 +93,10 @@ impl Registered {
                 let [throttle, brake, _] = triangle(commands, now, next, delay_s)?;
                 faster.observe(&[1.0, throttle, v, v * brake], (next.v_m_per_s - v) / (next.t_s - now.t_s), 1.0);
             }
-            fastest = fastest.max(v.abs());
         }
-        let n = used.len() as f64;
         let (free, bend) = (faster.solve()?, turning.solve()?);
-        let variance = |residual_ss: f64| (residual_ss / n).max(1e-12);
-        let cost = n
-            * (asami_math::elementary::ln(variance(free.residual_ss))
-                + asami_math::elementary::ln(variance(bend.residual_ss)));
-        if self.grip > 0.0 {
-            let sd = self.grip * GRIP_M_PER_S2;
-            for (i, most) in [1.0, 1.0, fastest, fastest].into_iter().enumerate() {
-                let mut row = [0.0; 4];
-                row[i] = most;
-                faster.observe(&row, 0.0, variance(free.residual_ss) / (sd * sd));
-            }
+        for (_, row, weight) in self.prior(used, free.residual_ss / used.len() as f64) {
+            faster.observe(&row, 0.0, weight);
         }
         let fit = faster.solve()?;
         let join = |a: &[f64], b: &[f64]| {
@@ -102,6 +105,18 @@ impl Registered {
             all
         };
         let se = faster.standard_errors().zip(turning.standard_errors()).map(|(a, b)| join(&a, &b));
-        cost.is_finite().then(|| (cost, Coefficients { c: join(&fit.coefficients, &bend.coefficients), se }))
+        Some((free.residual_ss, bend.residual_ss, Coefficients { c: join(&fit.coefficients, &bend.coefficients), se }))
+    }
+
+    /// The prior as rows of a regression whose residuals have this variance: which coefficient, its row, its weight.
+    pub(super) fn prior(&self, used: &[Stretch], variance: f64) -> impl Iterator<Item = (usize, [f64; 4], f64)> {
+        let fastest = used.iter().fold(1.0f64, |fastest, stretch| fastest.max(stretch.v_m_per_s.abs()));
+        let sd = self.grip * GRIP_M_PER_S2;
+        let row = move |(i, most): (usize, f64)| {
+            let mut row = [0.0; 4];
+            row[i] = most;
+            (i, row, variance.max(1e-12) / (sd * sd))
+        };
+        [1.0, 1.0, fastest, fastest].into_iter().enumerate().filter(move |_| sd > 0.0).map(row)
     }
 }

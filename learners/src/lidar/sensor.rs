@@ -26,12 +26,10 @@ pub struct Sensor {
     pub layout: Layout,
     /// What is taken for known of the lasers' offsets off the axis.
     pub offsets: Offsets,
-    /// Of a longer drive, blocks of turns spread evenly over it are used, as many turns in all as this; 0: all of it.
+    /// Of a longer drive so many single turns are used, spread evenly over it; 0: all of it. Turns of one place would see the
+    /// same edges again, and repeat each other's errors.
     pub most_turns: usize,
 }
-
-/// Turns of a block.
-const BLOCK: usize = 4;
 
 /// How far apart lasers are whose lags tell their offsets.
 const OFFSET_REACH: usize = 3;
@@ -119,18 +117,17 @@ impl Sensor {
         (0..drive.lasers()).map(signal).collect()
     }
 
-    /// The blocks of a column that are used, one after another, lags' lengths of `absent` between them.
+    /// The turns of a column that are used, one after another, lags' lengths of `absent` between them.
     pub(super) fn sampled<T: Copy>(&self, drive: &Drive<'_>, column: &[T], absent: T) -> Vec<T> {
-        let turn = drive.firings_in(TAU).max(1);
-        let (block, blocks) = (BLOCK * turn, self.most_turns.div_ceil(BLOCK));
-        if self.most_turns == 0 || blocks * block >= column.len() {
+        let (turn, turns) = (drive.firings_in(TAU).max(1), self.most_turns);
+        if turns == 0 || turns * turn >= column.len() {
             return column.to_vec();
         }
         let gap = drive.firings_in(self.most_lag_rad);
-        let mut used = Vec::with_capacity(blocks * (block + gap));
-        for i in 0..blocks {
-            let first = (column.len() - block) * i / (blocks - 1).max(1);
-            used.extend_from_slice(&column[first..first + block]);
+        let mut used = Vec::with_capacity(turns * (turn + gap));
+        for i in 0..turns {
+            let first = (column.len() - turn) * i / (turns - 1).max(1);
+            used.extend_from_slice(&column[first..first + turn]);
             used.resize(used.len() + gap, absent);
         }
         used

@@ -167,7 +167,8 @@ fn takes(
         return fault(faults, learner_at, message);
     }
     let needs = match about.needs {
-        Needs::Nothing | Needs::Firings => "no start",
+        Needs::Nothing => "no start",
+        Needs::Firings => "no start, or start = \"reference_car\" or \"half_car\"",
         Needs::Action => "start = \"c\", \"sgn\", \"one\" or \"reference_quartic\"",
         Needs::Sensor => "start = \"reference_cubic\"",
         Needs::Both => "start = \"published\" or another of chapter 4's",

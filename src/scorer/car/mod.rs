@@ -3,7 +3,7 @@
 use asami_dataset::truth::pose_at;
 use asami_dataset::{ActionModel, Channel, Command, Models, SensorModel, TruePose};
 use asami_learners::learner::Trace;
-use asami_learners::lidar::{Coefficients, Stretch, pedals, regress, roll_out};
+use asami_learners::lidar::{Coefficients, Stretch, free_run, pedals, regress, roll_out};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, sin_cos};
 use asami_math::statistics::median;
@@ -13,8 +13,6 @@ use super::{mean, range, rmse_and_r2, square};
 
 /// Step of the published errors.
 pub const STEP_S: f64 = 0.5;
-/// Steps of a model of the moment in one of these.
-const PARTS: u32 = 10;
 
 /// Errors of learned models. What does not exist is `None`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -161,29 +159,11 @@ impl Yardstick {
             let turned = |(v, now): (f64, &Stretch)| [f64::NAN, v, coefficients.turning(v, now.pedals)];
             roll_out(&coefficients, &self.steps).into_iter().zip(&self.steps).map(turned).collect()
         } else {
-            self.integrated(&coefficients, delay_s)
+            let runs = free_run(&coefficients, &self.steps, &self.commands, delay_s, false);
+            runs.iter().map(|run| [f64::NAN, run.v_m_per_s, run.omega_rad_per_s]).collect()
         };
         for i in 1..rows.len() {
             rows[i - 1][0] = (rows[i][1] - rows[i - 1][1]) / (self.steps[i].t_s - self.steps[i - 1].t_s);
-        }
-        rows
-    }
-
-    fn integrated(&self, coefficients: &Coefficients, delay_s: f64) -> Vec<[f64; 3]> {
-        let mut v = self.steps.first().map_or(0.0, |first| first.v_m_per_s);
-        let mut rows = Vec::with_capacity(self.steps.len());
-        for now in &self.steps {
-            let part_s = now.dt_s / f64::from(PARTS);
-            let (mut way_m, mut turn_rad) = (0.0, 0.0);
-            for part in 0..PARTS {
-                let from_s = now.t_s + f64::from(part) * part_s - delay_s;
-                let held = pedals(&self.commands, from_s, from_s + part_s).unwrap_or(now.pedals);
-                let middle = v + 0.5 * part_s * coefficients.acceleration(v, held);
-                way_m += middle * part_s;
-                turn_rad += coefficients.turning(middle, held) * part_s;
-                v += part_s * coefficients.acceleration(middle, held);
-            }
-            rows.push([f64::NAN, way_m / now.dt_s, turn_rad / now.dt_s]);
         }
         rows
     }
@@ -220,8 +200,13 @@ impl Yardstick {
     /// The action model that fits the reference's own motions best: the dissertation's From-Truth.
     #[must_use]
     pub fn from_truth(&self) -> Option<Models> {
-        let action = regress(&self.steps)?.model(0.0);
-        Some(Models { action: Some(action), ..Models::default() })
+        Some(Models { action: Some(self.fitted()?.model(0.0)), ..Models::default() })
+    }
+
+    /// Its coefficients.
+    #[must_use]
+    pub fn fitted(&self) -> Option<Coefficients> {
+        regress(&self.steps)
     }
 
     /// The rules of divergence that `models` with `scores` break: an R^2 below `r2_min`, or no model though there is truth

@@ -8,13 +8,14 @@ pub mod tables;
 use asami_dataset::{Dataset, Log, Models, Seed, Survey};
 use asami_learners::Learned;
 use asami_learners::learner::Trace;
+use asami_learners::lidar::Coefficients;
 use serde::{Deserialize, Serialize};
 
 use super::outcome::Outcome;
 use super::tally::{self, Group, Tallied};
 use super::{CannotSweep, Finished, Record, Results};
 use crate::report;
-use crate::scenario::{Era, Origin, Policy, Row, Scenario};
+use crate::scenario::{Era, Origin, Policy, Row, Scenario, Start};
 use crate::scorer::car::{Scores, Yardstick};
 use crate::study::{Finishing, Reference, Study};
 use crate::trial::{Trial, of_scores};
@@ -62,8 +63,16 @@ impl Study for InTraffic {
         }
     }
 
-    fn given(_: &Scenario, _: &Row, _: &Log, _: &Yardstick) -> Result<Models, String> {
-        Ok(Models::default())
+    /// As published there is no action model to start from. Others are made from what the reference says of the car.
+    fn given(_: &Scenario, row: &Row, _: &Log, yardstick: &Yardstick) -> Result<Models, String> {
+        let factor = match row.start {
+            Some(Start::ReferenceCar) => 1.0,
+            Some(Start::HalfCar) => 0.5,
+            _ => return Ok(Models::default()),
+        };
+        let fitted = yardstick.fitted().ok_or("the log's reference determines no action model to start from")?;
+        let action = Coefficients { c: fitted.c.map(|c| factor * c), se: None }.model(0.0);
+        Ok(Models { action: Some(action), ..Models::default() })
     }
 
     fn truth(yardstick: &Yardstick) -> Truth {
