@@ -39,6 +39,12 @@ impl Picture {
         self
     }
 
+    /// The pixels, as given to [`Picture::new`].
+    #[must_use]
+    pub fn rgb(&self) -> &[u8] {
+        &self.rgb
+    }
+
     /// Shows each pixel as a square of this many CSS pixels.
     #[must_use]
     pub fn magnified(mut self, times: u32) -> Self {

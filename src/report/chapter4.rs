@@ -23,7 +23,8 @@ pub fn write<S: Tallied>(
     let report = report(outcome, figures, finishing).footnote(footnote);
     let failed = |error: CannotWrite| CannotSweep::file("write", &error.path)(error.source);
     report.write(&finishing.out.join("report.html")).map_err(failed)?;
-    write_plates(figures.iter().map(Plate::from).chain(finishing.exhibits.walk.iter().cloned()), finishing.out)
+    let exhibits = finishing.exhibits.walk.iter().chain(&finishing.exhibits.scans).cloned();
+    write_plates(figures.iter().map(Plate::from).chain(exhibits), finishing.out)
 }
 
 fn report<S: Tallied>(outcome: &Outcome<S>, figures: &[Figure], finishing: &Finishing<'_>) -> Report {
@@ -42,6 +43,10 @@ fn report<S: Tallied>(outcome: &Outcome<S>, figures: &[Figure], finishing: &Fini
     }
     if !finishing.exhibits.walk.is_empty() {
         report = report.section(arranged(Section::new("The walk"), finishing.exhibits.walk.iter().cloned()));
+    }
+    if !finishing.exhibits.scans.is_empty() {
+        let section = Section::new("What the scanner sees");
+        report = report.section(arranged(section, finishing.exhibits.scans.iter().cloned()));
     }
     if !outcome.comparisons.is_empty() {
         report = report.section(comparisons_section(outcome));

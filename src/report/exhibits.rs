@@ -5,7 +5,7 @@ use asami_sim::robots::aibo::watch::{Contacts, Outline, Watch};
 use asami_sim::robots::aibo::{AiboWorld, Start};
 use asami_sim::world::{Record, World};
 
-use super::{Plate, one_at_a_time};
+use super::{Plate, one_at_a_time, scans};
 use crate::draw::walk::{Part, Pose, Strip, contacts};
 use crate::draw::{Figure, Picture};
 use crate::scenario::Simulation;
@@ -23,6 +23,8 @@ const AT_MOST_S: f64 = 60.0;
 const CYCLE_WITHIN_S: f64 = 90.0;
 /// When the strip and the contacts begin: the gait is steady by then.
 const STEADY_S: f64 = 4.0;
+/// In the midst of so much of a drive the car is under way.
+const UNDER_WAY_S: f64 = 24.0;
 /// Poses of a strip.
 const POSES: usize = 9;
 
@@ -31,6 +33,8 @@ const POSES: usize = 9;
 pub struct Exhibits {
     /// The walk: poses, contacts, what the camera sees.
     pub walk: Vec<Plate>,
+    /// What a laser scanner sees: Figures 2.4b and 5.2.
+    pub scans: Vec<Plate>,
     /// One model learned from the other: Figures 3.5 and 3.6.
     pub single: Vec<Figure>,
 }
@@ -43,7 +47,19 @@ pub fn of(simulation: &Simulation) -> Result<Exhibits, CannotSimulate> {
     let seed = Seed(simulation.first_seed);
     let (approach, pacing) = rayon::join(|| approach(simulation, seed), || pacing(simulation, seed));
     let (approach, pacing) = (approach?, pacing?);
-    Ok(Exhibits { single: one_at_a_time::figures(&approach.log, &pacing.log), walk: approach.plates() })
+    let single = one_at_a_time::figures(&approach.log, &pacing.log);
+    Ok(Exhibits { single, walk: approach.plates(), ..Exhibits::default() })
+}
+
+/// What a car's scanner sees in the midst of the beginning of the scenario's first drive.
+///
+/// # Errors
+/// If the car cannot be built.
+pub fn of_car(simulation: &Simulation) -> Result<Exhibits, CannotSimulate> {
+    let beginning = Simulation { duration_s: simulation.duration_s.min(UNDER_WAY_S), ..simulation.clone() };
+    let Dataset { log, truth, .. } = beginning.dataset(Seed(simulation.first_seed))?;
+    let angles_rad = truth.survey.map_or(Vec::new(), |survey| survey.horizontal_angles_rad);
+    Ok(Exhibits { scans: scans::plates(&log, &angles_rad), ..Exhibits::default() })
 }
 
 /// The beginning of the scenario's first log.

@@ -10,6 +10,7 @@ pub mod exhibits;
 mod html;
 pub mod one_at_a_time;
 pub mod plane;
+pub mod scans;
 pub mod stride;
 pub mod sweep;
 pub mod table;

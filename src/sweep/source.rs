@@ -9,6 +9,7 @@ use crate::binning;
 use crate::depths;
 use crate::import;
 use crate::report::exhibits::{self, Exhibits};
+use crate::report::scans;
 use crate::scenario::{Part, Recording, Robot, Scenario, Simulation, Study, Window};
 use crate::trial::Case;
 
@@ -88,6 +89,7 @@ impl Source for Simulated {
         match (self.simulation.robot, self.scenario.study) {
             // A robot that cannot be built has failed every trial already: the page says so without pictures.
             (Robot::Aibo, Study::Line) => exhibits::of(&self.simulation).unwrap_or_default(),
+            (Robot::Car, _) => exhibits::of_car(&self.simulation).unwrap_or_default(),
             _ => Exhibits::default(),
         }
     }
@@ -192,5 +194,11 @@ impl Source for Recorded {
 
     fn survey(&self) -> Option<Survey> {
         None
+    }
+
+    fn exhibits(&self) -> Exhibits {
+        let Some((_, Dataset { log, truth, .. })) = self.wholes.first() else { return Exhibits::default() };
+        let angles_rad = truth.survey.as_ref().map_or(&[][..], |survey| &survey.horizontal_angles_rad);
+        Exhibits { scans: scans::plates(log, angles_rad), ..Exhibits::default() }
     }
 }
