@@ -5,13 +5,16 @@
 //! says in [`Imported::notes`] everything that it took for granted. Where the log has a motion capture, [`capture`]
 //! holds its sightings against it.
 
+pub mod av21;
 pub mod barfoot_1d;
 pub mod barfoot_2d;
 pub mod capture;
 pub mod clock;
 pub mod columns;
+pub mod hdl64e;
 pub mod kitti;
 pub mod mrclam;
+pub mod track;
 pub mod units;
 pub mod words;
 
@@ -67,7 +70,14 @@ impl Importer {
 /// Every importer there is.
 #[must_use]
 pub fn catalogue() -> Vec<&'static Importer> {
-    vec![&barfoot_1d::IMPORTER, &barfoot_2d::IMPORTER, &mrclam::IMPORTER]
+    vec![
+        &barfoot_1d::IMPORTER,
+        &barfoot_2d::IMPORTER,
+        &mrclam::IMPORTER,
+        &kitti::IMPORTER,
+        &av21::IMPORTER,
+        &hdl64e::IMPORTER,
+    ]
 }
 
 /// What an importer gives.

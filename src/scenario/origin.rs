@@ -142,6 +142,9 @@ pub struct Recording {
     pub parts: Vec<Part>,
     /// The pieces that learners are given.
     pub windows: Vec<Window>,
+    /// So much of each window, from its beginning, is learned from, and models are held against the rest; `None`: all of it, for
+    /// both.
+    pub learned_s: Option<f64>,
 }
 
 /// What is taken of a recording: whose log, and which landmarks.

@@ -121,6 +121,8 @@ pub struct Windows {
     pub disjoint_starts_s: Vec<f64>,
     /// From the first to the last of these starts, also a window every so often, marked as overlapping.
     pub overlapping_every_s: Option<f64>,
+    /// So much of each window, from its beginning, is learned from; models are held against the rest.
+    pub learned_s: Option<f64>,
 }
 
 /// A row of the table.

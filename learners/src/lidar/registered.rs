@@ -78,12 +78,7 @@ impl Registered {
     }
 
     /// Both regressions' sums of squared residuals at a delay, and their coefficients.
-    pub(super) fn at(
-        &self,
-        used: &[Stretch],
-        commands: &[Command],
-        delay_s: f64,
-    ) -> Option<(f64, f64, Coefficients)> {
+    pub(super) fn at(&self, used: &[Stretch], commands: &[Command], delay_s: f64) -> Option<(f64, f64, Coefficients)> {
         let (mut faster, mut turning) = (Regression::new(4), Regression::new(2));
         for (i, now) in used.iter().enumerate() {
             let v = now.v_m_per_s;

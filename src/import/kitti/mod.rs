@@ -20,12 +20,19 @@ use std::sync::Arc;
 use asami_dataset::firings::ENCODER_STEPS;
 use asami_dataset::log::Velodyne;
 use asami_dataset::{Dataset, Firings, Known, Log, Survey, TruePose, Truth};
-use asami_math::angle::wrap_rad;
-use asami_math::elementary::sin_cos;
 
 use self::unit::KITTI_DEG;
 use super::columns::of_folder;
-use super::{ImportError, Imported, words};
+use super::track::{Moving, added_up};
+use super::{ImportError, Imported, Importer, Read, words};
+
+/// The importer's row in the list.
+pub static IMPORTER: Importer = Importer {
+    name: "kitti",
+    what: "Revolutions of an HDL-64E as pictures of its raw firings, and inertial navigation (range/*.png and oxts.txt).",
+    source: "A. Geiger, P. Lenz, C. Stiller and R. Urtasun, Vision meets robotics: the KITTI dataset (2013)",
+    read: Read::One(read),
+};
 
 /// How long a revolution takes: not recorded, but the data set's rate.
 const TURN_S: f64 = 0.1036;
@@ -59,7 +66,7 @@ pub fn read(source: &Path) -> Result<Imported, ImportError> {
         "assumed: positions are the forward speed and rate of turn added up".to_owned(),
     ];
     let velodyne = Velodyne {
-        vertical_angles_rad: KITTI_DEG.iter().map(|[vertical, _]| vertical.to_radians()).collect(),
+        vertical_angles_rad: vertical_angles_rad(),
         firing_rate_hz: rate_hz,
         turn_rate_hz: 1.0 / TURN_S,
         sensor_height_m: SENSOR_HEIGHT_M,
@@ -76,6 +83,12 @@ pub fn read(source: &Path) -> Result<Imported, ImportError> {
         dataset: Dataset { log, truth: Truth { track: track.into(), survey: Some(survey) }, provenance: None },
         notes,
     })
+}
+
+/// Of the lasers of this unit, increasing.
+#[must_use]
+pub fn vertical_angles_rad() -> Vec<f64> {
+    KITTI_DEG.iter().map(|[vertical, _]| vertical.to_radians()).collect()
 }
 
 /// The revolutions' pictures, in order of name.
@@ -145,23 +158,13 @@ fn value(file: &Path, column: usize, rule: &'static str, found: u32) -> ImportEr
     ImportError::Value { file, line, column: "encoder", rule, found: found.to_string() }
 }
 
-/// Poses at the revolutions' beginnings: speeds and turning rates added up by the trapezoidal rule.
+/// Poses at the revolutions' beginnings.
 fn track(file: &Path) -> Result<Vec<TruePose>, ImportError> {
     let rows = words::read(file, OXTS)?;
-    let mut pose = TruePose { t_s: 0.0, x_m: 0.0, y_m: 0.0, theta_rad: 0.0, v_m_per_s: None };
-    let mut before: Option<(f64, f64)> = None;
-    let mut track = Vec::with_capacity(rows.len());
-    for (turn, (_, row)) in rows.iter().enumerate() {
-        let (v, omega) = (row[VF], row[WU]);
-        if let Some((v_before, omega_before)) = before {
-            let (way_m, turned_rad) = (TURN_S * (v + v_before) / 2.0, TURN_S * (omega + omega_before) / 2.0);
-            let (sin, cos) = sin_cos(pose.theta_rad + turned_rad / 2.0);
-            pose.x_m -= way_m * sin;
-            pose.y_m += way_m * cos;
-            pose.theta_rad = wrap_rad(pose.theta_rad + turned_rad);
-        }
-        before = Some((v, omega));
-        track.push(TruePose { t_s: turn as f64 * TURN_S, v_m_per_s: Some(v), ..pose });
-    }
-    Ok(track)
+    let moving = |(turn, (_, row)): (usize, &(u64, [f64; 30]))| Moving {
+        t_s: turn as f64 * TURN_S,
+        v_m_per_s: row[VF],
+        omega_rad_per_s: row[WU],
+    };
+    Ok(added_up(&rows.iter().enumerate().map(moving).collect::<Vec<_>>()))
 }

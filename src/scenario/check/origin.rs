@@ -16,6 +16,7 @@ const SEEDS: Parameter = number("seeds", "1", (1.0, 10_000.0));
 const FIRST_SEED: Parameter = number("first_seed", "1", (0.0, 9e15));
 const WINDOW_LENGTH: Parameter = number("length_s", "s", (1.0, 36_000.0));
 const WINDOW_START: Parameter = number("disjoint_starts_s", "s", (0.0, 360_000.0));
+const LEARNED: Parameter = number("learned_s", "s", (1.0, 36_000.0));
 const WINDOW_EVERY: Parameter = number("overlapping_every_s", "s", (0.1, 36_000.0));
 
 /// Which scenarios a key is for.
@@ -96,6 +97,14 @@ fn recording(wire: &Wire, source: &str, faults: &mut Vec<Fault>) -> Option<Recor
     if let Some(every_s) = windows.overlapping_every_s {
         faults.extend(out_of_range("windows", &WINDOW_EVERY, every_s));
     }
+    let learned_s = windows.learned_s;
+    if let Some(learned_s) = learned_s {
+        let range = (LEARNED.range.0, windows.length_s);
+        faults.extend(out_of_range("windows", &Parameter { range, ..LEARNED }, learned_s));
+        if wire.study != Study::Car {
+            fault(faults, "windows.learned_s", "learned_s belongs to study \"car\"");
+        }
+    }
     let parts = parts(wire, faults);
     let binning = wire.binning.clone();
     if let Some(binning) = &binning {
@@ -106,7 +115,8 @@ fn recording(wire: &Wire, source: &str, faults: &mut Vec<Fault>) -> Option<Recor
         depths.check("depths", wire.robots.as_ref().map_or(1, Vec::len), faults);
     }
     let cut = if faults.is_empty() { cut(windows) } else { Vec::new() };
-    Some(Recording { source: source.to_owned(), format: wire.format.clone(), binning, depths, parts, windows: cut })
+    let (source, format) = (source.to_owned(), wire.format.clone());
+    Some(Recording { source, format, binning, depths, parts, windows: cut, learned_s })
 }
 
 /// Every robot with every set of landmarks.

@@ -18,7 +18,8 @@ fn longest_s(origin: &Origin, era: Era) -> f64 {
             (Some(change_s), Era::After) => simulation.duration_s - change_s,
         },
         Origin::Recorded(recording) => {
-            recording.windows.iter().map(|window| window.length_s).fold(f64::INFINITY, f64::min)
+            let shortest_s = recording.windows.iter().map(|window| window.length_s).fold(f64::INFINITY, f64::min);
+            recording.learned_s.unwrap_or(shortest_s)
         }
     }
 }

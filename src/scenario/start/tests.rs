@@ -82,7 +82,14 @@ fn ranges_start_from_a_line_of_their_own() {
 
 #[test]
 fn names_in_files_are_names_in_tables() {
-    for start in Start::CHAPTER_4.into_iter().chain([Start::C, Start::Sgn, Start::One, Start::ReferenceCubic, Start::ReferenceCar, Start::HalfCar]) {
+    for start in Start::CHAPTER_4.into_iter().chain([
+        Start::C,
+        Start::Sgn,
+        Start::One,
+        Start::ReferenceCubic,
+        Start::ReferenceCar,
+        Start::HalfCar,
+    ]) {
         assert_eq!(serde_json::to_value(start).unwrap(), start.name());
     }
 }

@@ -59,7 +59,12 @@ impl Study for InTraffic {
                 }
                 _ => of(&truth.track),
             },
-            Origin::Recorded(_) => of(&truth.track),
+            Origin::Recorded(recording) => {
+                let from_s = |learned_s| truth.track.first().map_or(0.0, |first| first.t_s) + learned_s;
+                let held_out =
+                    recording.learned_s.map(|learned_s| truth.track.window(&(from_s(learned_s)..f64::INFINITY)));
+                of(held_out.as_ref().unwrap_or(&truth.track))
+            }
         }
     }
 
