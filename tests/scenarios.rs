@@ -10,6 +10,7 @@ const AIBO: &str = include_str!("../scenarios/aibo_1d.toml");
 const BARFOOT: &str = include_str!("../scenarios/barfoot_1d.toml");
 const MRCLAM: &str = include_str!("../scenarios/mrclam.toml");
 const CAR: &str = include_str!("../scenarios/car.toml");
+const AV21: &str = include_str!("../scenarios/av21.toml");
 const PLAIN: &str = include_str!("../scenarios/plain_2d.toml");
 
 fn shown(bad: &Bad) -> String {
@@ -177,6 +178,10 @@ fn rules_are_stated_with_the_value_and_the_remedy() {
         (CAR, "\"redrawn\"", "\"redraw\"", "did you mean `redrawn`?"),
         (CAR, "speed_percent = 8.25", "speed_per_cent = 8.25", "did you mean `speed_percent`?"),
         (CAR, "[velodyne]", "[starting]\n[velodyne]", "starting belongs to studies \"plane\" and \"stride\""),
+        (CAR, "[\"reference_car\"", "[\"published\"", "learner car_lines takes no start, or start = \"reference_car\""),
+        (PLAIN, "\"attempted\"", "\"half_car\"", "another of chapter 4's, not half_car"),
+        (AV21, "learned_s = 335.5", "learned_s = 700", "learned_s must lie in 1..=671 s, not 700"),
+        (MRCLAM, "[windows] ", "[windows]\nlearned_s = 5 ", "learned_s belongs to study \"car\""),
         (PLAIN, "[explore]", "[town]\n[explore]", "town is not for robot \"plain\""),
         (PLAIN, "\"em_published\"", "\"car_graph\"", "it learns from a car's laser firings"),
         (BARFOOT, "[windows]", "landmarks = [[1, 2], [3, 4]]\n[windows]", "sets are told apart by their size"),

@@ -1,7 +1,9 @@
 //! Importers: small sources made here, and the real logs where they are at hand.
 
+mod av21;
 mod barfoot_1d;
 mod barfoot_2d;
+mod hdl64e;
 mod kitti;
 mod mrclam;
 

@@ -2,7 +2,8 @@
 
 use asami_dataset::{Action, Command, Seed};
 use asami_learners::lidar::{
-    Angles, Distance, Matching, PairLag, Registered, Stretch, Target, align, chain, graph, pairs, regress, roll_out,
+    Angles, Coefficients, Distance, FreeRun, Matching, PairLag, Registered, Stretch, Target, align, chain, free_run,
+    graph, pairs, regress, roll_out,
 };
 use asami_math::correlation::Peak;
 use asami_math::rigid::Rigid;
@@ -208,4 +209,49 @@ fn a_brake_that_was_never_touched_gets_no_coefficient() {
     assert!((found.c[3] * fastest).abs() < 9.81, "{found:?}");
     assert!((regress(&stretches).unwrap().c[3] * fastest).abs() > 9.81);
     assert!((found.c[1] / 4.0 - 1.0).abs() < 0.1, "{found:?}");
+}
+
+#[test]
+fn a_free_run_changes_with_its_coefficients_as_its_gradient_says() {
+    let (stretches, commands) = delayed(0.2, true);
+    let run = |c: [f64; 6]| free_run(&Coefficients { c, se: None }, &stretches, &commands, 0.2, true);
+    let c = [0.3, 3.5, -0.25, -0.5, 0.001, 0.09];
+    let middle = run(c);
+    for k in 0..4 {
+        let step = 1e-5;
+        let [mut more, mut less] = [c; 2];
+        (more[k], less[k]) = (c[k] + step, c[k] - step);
+        for ((more, less), now) in run(more).iter().zip(run(less)).zip(&middle) {
+            let difference = (more.v_m_per_s - less.v_m_per_s) / (2.0 * step);
+            assert!((difference - now.gradient[k]).abs() < 1e-5 * (1.0 + difference.abs()), "{k}: {difference}");
+        }
+    }
+}
+
+/// A car whose pedals do what the model has no term for: the regression explains each acceleration best, the free run the speed.
+#[test]
+fn a_free_run_is_nearer_where_the_model_is_wrong() {
+    let from = Registered { most_delay_s: 0.5, grip: 1.0 };
+    let speed_rms = |(found, delay_s): (Coefficients, f64), stretches: &[Stretch], commands: &[Command]| {
+        let runs = free_run(&found, stretches, commands, delay_s, false);
+        let squares = runs.iter().zip(stretches).map(|(run, now)| (run.v_m_per_s - now.v_m_per_s).powi(2));
+        (squares.sum::<f64>() / stretches.len() as f64).sqrt()
+    };
+    let (stretches, commands) = delayed(0.2, true);
+    let (found, delay_s) = FreeRun { from }.learn(&stretches, &commands).unwrap();
+    assert!((delay_s - 0.2).abs() < 0.051, "{delay_s}");
+    assert!((found.c[1] / 4.0 - 1.0).abs() < 0.05 && (found.c[3] / -0.6 - 1.0).abs() < 0.1, "{found:?}");
+    // Drag that grows with the square of the speed.
+    let mut v = stretches[0].v_m_per_s;
+    let dragged: Vec<Stretch> = stretches
+        .iter()
+        .map(|now| {
+            let before = v;
+            v += 0.5 * (0.2 + 4.0 * now.pedals[0] - 0.15 * v * v - 0.6 * v * now.pedals[1]);
+            Stretch { v_m_per_s: 0.5 * (before + v), ..*now }
+        })
+        .collect();
+    let free = speed_rms(FreeRun { from }.learn(&dragged, &commands).unwrap(), &dragged, &commands);
+    let stepwise = speed_rms(from.learn(&dragged, &commands).unwrap(), &dragged, &commands);
+    assert!(free < stepwise, "{free} and {stepwise}");
 }

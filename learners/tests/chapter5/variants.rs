@@ -1,6 +1,10 @@
 //! What each variant is for, on drives that differ from the published method's assumptions in that.
 
-use asami_dataset::SensorModel;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use asami_dataset::{ActionModel, Log, Models, Seed, SensorModel};
+use asami_learners::Learners;
 use asami_learners::lidar::{Drive, Offsets, Sensor, from_slopes, slopes};
 
 use crate::synthetic::{Driven, Ride, learn};
@@ -57,5 +61,40 @@ fn lasers_on_the_axis_get_no_offset() {
     let slopes = slopes(&sensor, &drive, &angles.angle_rad, 3);
     for offsets in [Offsets::Alternating, Offsets::Sides] {
         assert_eq!(from_slopes(12, &slopes, offsets), [0.0; 12], "{offsets:?}");
+    }
+}
+
+/// Of a drive whose first and last turn alone saw anything, two turns are those two.
+#[test]
+fn few_turns_are_spread_over_the_whole_drive() {
+    let mut log = Ride { turns: 9, ..Ride::default() }.drive().log;
+    let mut firings = (**log.firings.as_ref().unwrap()).clone();
+    let n = firings.len();
+    firings.range_2mm.iter_mut().for_each(|ranges| ranges[780..n - 780].fill(0));
+    log.firings = Some(Arc::new(firings));
+    let drive = Drive::try_from(&log).unwrap();
+    let of = |most_turns| Sensor { most_turns, ..Sensor::graph(23.0, 5.0, 2.0) }.learn(&drive).unwrap().angle_rad;
+    let (all, two) = (of(0), of(2));
+    assert!(all.iter().zip(&two).all(|(a, b)| (a - b).abs() < 1e-3), "{all:?} and {two:?}");
+}
+
+/// An action model that is given moves where matching begins, not where it ends.
+#[test]
+fn scan_matching_ends_where_it_did_from_a_given_model() {
+    let ride = Ride { turns: 60, ..Ride::default() };
+    let driven = ride.drive();
+    let learner = Learners::default().configured("car_lines", &BTreeMap::new()).unwrap();
+    let forward = |factor: f64, log: &Log| {
+        let action = ActionModel::Car { c: ride.c.map(|c| factor * c), se: None, delay_s: 0.0 };
+        let given = Models { action: Some(action), ..Models::default() };
+        let given = if factor == 0.0 { Models::default() } else { given };
+        let learned = learner.learn(log, &given, &mut Seed(1000).stream("learner")).unwrap();
+        learned.traces.iter().find(|trace| trace.name == "forward_m_per_s").unwrap().points.clone()
+    };
+    let published = forward(0.0, &driven.log);
+    for factor in [0.5, 1.0] {
+        for (a, b) in published.iter().zip(forward(factor, &driven.log)) {
+            assert!((a[1] - b[1]).abs() < 0.05, "{factor}: {a:?} and {b:?}");
+        }
     }
 }
