@@ -49,7 +49,8 @@ fn the_small_scenario_of_the_docs_is_one() {
     let keys = fields.lines().filter_map(|line| line.trim().strip_prefix("pub ")?.split_once(':')).map(|(key, _)| key);
     let keys: Vec<&str> = keys.map(|key| key.trim_start_matches('_')).collect();
     assert!(keys.len() > 20, "{keys:?}");
-    let starts = Start::CHAPTER_4.into_iter().chain([Start::ReferenceCar, Start::HalfCar]).map(Start::name);
+    let starts = Start::CHAPTER_4.into_iter().chain([Start::ReferenceCar, Start::HalfCar]);
+    let starts: Vec<&str> = starts.map(Start::name).collect();
     let scenarios =
         ["plain_2d", "aibo_2d", "aibo_1d_em", "aibo_1d_changed", "barfoot_2d", "mrclam", "car", "kitti_hdl64e", "av21"];
     for name in keys.into_iter().chain(starts).chain(scenarios) {
