@@ -92,5 +92,5 @@ fn the_first_half_is_learned_from_and_the_second_scored() {
     let fitted = fitted.iter().find(|row| row["learner"] == "from_truth").expect("the reference's own");
     // The throttle is half of what it would have to be: of 0.3 and more on average, 3 m/s^2 a unit.
     let learned = number(trial, "speed_rmse_m_per_s");
-    assert!(learned > 2.0 && number(fitted, "speed_rmse_m_per_s_median") < 0.1 * learned, "{trial:?} and {fitted:?}");
+    assert!(learned > 2.0 && number(fitted, "speed_rmse_m_per_s_median") < 0.2 * learned, "{trial:?} and {fitted:?}");
 }
