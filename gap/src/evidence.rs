@@ -156,8 +156,13 @@ fn summary(effect: &'static str, kinds: &[Tried]) -> Option<Weighed> {
         evidence_nats: top + ln(mean),
         best: Planted { variant: best.variant.clone(), size: exp(ln_size) },
         gain_nats,
-        interval: best.interval(),
+        interval: holding(best.interval(), exp(ln_size)),
     })
+}
+
+/// An interval widened to hold a value: at an end of the law the most likely size lies outside the middle 90 %.
+fn holding([low, high]: [f64; 2], value: f64) -> [f64; 2] {
+    [low.min(value), high.max(value)]
 }
 
 #[cfg(test)]

@@ -13,6 +13,9 @@ const BLOCK_S: f64 = 10.0;
 /// Channels with less than this share are not named.
 const LEAST_SHARE: f64 = 0.05;
 
+/// Nor are cells whose gain may as well be chance.
+const LEAST_SURE: f64 = 0.05;
+
 /// A channel, and which of a response's numbers are its own: means and noise.
 struct Channel {
     name: &'static str,
@@ -92,6 +95,7 @@ pub fn places(judge: &Judge<'_>, base: &[f64], better: &[f64]) -> Vec<Cell> {
         let gained: Vec<f64> = alone.iter().zip(&plain).map(|(with, without)| with - without).collect();
         cells.push(cell(judge, channel.name, kind, share, &gained));
     }
+    cells.retain(|cell| cell.p < LEAST_SURE);
     cells.sort_by(|a, b| b.share.total_cmp(&a.share));
     cells
 }
@@ -179,8 +183,10 @@ fn cell(judge: &Judge<'_>, channel: &'static str, kind: Kind, share: f64, gained
     let n = sums.len() as f64;
     let variance = sums.iter().map(|it| (it - sum / n) * (it - sum / n)).sum::<f64>() * n / (n - 1.0).max(1.0);
     let se = variance.sqrt();
-    let part = if all > 0.0 { share * sum / all } else { share };
-    let half_width = if all > 0.0 { share * 1.96 * se / all } else { share };
+    // What the regime gains is never more than its channel's own share, though elsewhere the channel may lose.
+    let whole = all.max(sum).max(1e-12);
+    let part = share * sum / whole;
+    let half_width = share * 1.96 * se / whole;
     let z = sum / se.max(1e-12);
     Cell {
         channel: channel.to_owned(),

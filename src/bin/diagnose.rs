@@ -8,7 +8,6 @@ use asami::diagnose::progress::{Listener, Progress};
 use asami::diagnose::self_test::self_test;
 use asami::diagnose::{Answer, Asked, words};
 use asami::verb;
-use asami_gap::Budget;
 use clap::Parser;
 
 /// Says where a log and its nominal world part, which unmodelled effect parts them, and how far the gap shrinks with it.
@@ -63,7 +62,7 @@ fn main() -> ExitCode {
             nominal: arguments.nominal,
             without: arguments.without,
             libraries: arguments.libraries,
-            budget: Budget::default(),
+            budget: None,
             calibrate: arguments.calibrate,
         };
         let listener = Progress::default();

@@ -30,7 +30,7 @@ impl Field {
     pub fn new(blind: &Blind, libraries: &Path, listener: &dyn Listener) -> Result<Self, CannotShelve> {
         let on: Vec<String> = blind.world.effects.iter().map(|effect| effect.about().name.to_owned()).collect();
         let variants = Variant::all(blind.world.robot.name(), &on);
-        let shelf = Shelf { folder: libraries.to_owned(), budget: Budget::default(), listener };
+        let shelf = Shelf { folder: libraries.to_owned(), budget: Budget::of(blind.world.robot.name()), listener };
         let shelved = shelf.library(&blind.nominal, &blind.world, &variants)?;
         let make = blind.asked.calibration_cases;
         let mut cases = Vec::new();

@@ -42,8 +42,8 @@ pub struct Asked {
     pub without: Vec<String>,
     /// Where libraries are kept.
     pub libraries: PathBuf,
-    /// How much is played for one.
-    pub budget: Budget,
+    /// How much is played for one, where not what suits the robot.
+    pub budget: Option<Budget>,
     /// Planted cases that must be there to calibrate on.
     pub calibrate: usize,
 }
@@ -115,7 +115,8 @@ impl Ready {
         let held = Held::find(asked.nominal.as_deref(), log)?;
         let on: Vec<String> = held.simulation.effects.iter().map(|effect| effect.about().name.to_owned()).collect();
         let variants = Variant::all(held.simulation.robot.name(), &on);
-        let shelf = Shelf { folder: asked.libraries.clone(), budget: asked.budget, listener };
+        let budget = asked.budget.unwrap_or_else(|| Budget::of(held.simulation.robot.name()));
+        let shelf = Shelf { folder: asked.libraries.clone(), budget, listener };
         let shelved = shelf.library(&held.name, &held.simulation, &variants)?;
         let length_s = log.span_s().map_or(0.0, |(first_s, last_s)| last_s - first_s);
         let cases = shelved.cases(&held.simulation, length_s, asked.calibrate, listener)?;
