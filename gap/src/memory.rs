@@ -1,8 +1,9 @@
-//! How one innovation hangs on those before it: a gait sways the camera from frame to frame.
+//! How far innovations scatter, and how one hangs on those before it: a gait sways the camera from frame to frame.
 //!
-//! An autoregression of second order on the same landmark's innovations in the two frames before (Yule 1927,
-//! Walker 1931), learned from the nominal world's own logs and then frozen: unmodelled, swaying makes false
-//! causes out of nothing.
+//! An autoregression of second order (Yule 1927, Walker 1931) on the innovations before, of sizes those of the same
+//! landmark in the two frames before, of bearings those of any landmark, since the head and the heading are common to
+//! all. It is learned with the innovations' spread from the nominal world's own logs and then frozen: unmodelled,
+//! swaying makes false causes out of nothing.
 
 use asami_math::elementary::ln;
 use serde::{Deserialize, Serialize};
@@ -10,25 +11,46 @@ use serde::{Deserialize, Serialize};
 use crate::filter::Innovation;
 use crate::view::View;
 
-/// Autocorrelations of whitened innovations, sizes' and bearings', one and two frames apart.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Spread and autocorrelations of whitened innovations, sizes' and bearings'.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
+    /// Standard deviations: 1 where the filter's own covariance says all.
+    spread: [f64; 2],
+    /// One and two back.
     correlations: [[f64; 2]; 2],
 }
 
-/// The last two innovations of a landmark, for as long as it is seen in every frame.
+impl Default for Memory {
+    fn default() -> Self {
+        Self { spread: [1.0; 2], correlations: [[0.0; 2]; 2] }
+    }
+}
+
+/// The last two innovations of a channel, for as long as there is one in every frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Past {
     step: usize,
-    last: Option<[f64; 2]>,
-    before: Option<[f64; 2]>,
+    last: Option<f64>,
+    before: Option<f64>,
 }
 
-/// A memory at work: what it has seen of each landmark.
+impl Past {
+    /// What counts as the past at a step: this frame and the one before.
+    fn at(self, step: usize) -> Self {
+        if self.last.is_some() && self.step + 1 >= step { self } else { Self::default() }
+    }
+
+    fn then(self, step: usize, value: f64) -> Self {
+        Self { step, last: Some(value), before: self.at(step).last }
+    }
+}
+
+/// A memory at work: what it has seen of each landmark's size, and of bearings.
 #[derive(Clone, Debug)]
 pub struct Recall {
     memory: Memory,
-    past: Vec<Past>,
+    sizes: Vec<Past>,
+    bearing: Past,
 }
 
 impl Memory {
@@ -36,23 +58,26 @@ impl Memory {
     #[must_use]
     pub fn learn<'a>(logs: impl Iterator<Item = (&'a View, &'a [Innovation])>) -> Self {
         let (mut products, mut squares) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
+        let (mut sum, mut n) = ([0.0; 2], 0.0);
         for (view, innovations) in logs {
             let mut recall = Recall::new(Self::default(), view.landmarks.len());
             for it in innovations.iter().filter(|it| it.genuine > 0.5) {
                 let landmark = view.seen[it.seen].landmark;
-                let past = recall.of(landmark, it.step);
-                for (lag, then) in [past.last, past.before].into_iter().enumerate() {
-                    let Some(then) = then else { continue };
-                    for k in 0..2 {
-                        products[k][lag] += it.white[k] * then[k];
-                        squares[k][lag] += 0.5 * (it.white[k] * it.white[k] + then[k] * then[k]);
+                for (k, past) in recall.past(landmark, it.step).into_iter().enumerate() {
+                    for (lag, then) in [past.last, past.before].into_iter().enumerate() {
+                        let Some(then) = then else { continue };
+                        products[k][lag] += it.white[k] * then;
+                        squares[k][lag] += 0.5 * (it.white[k] * it.white[k] + then * then);
                     }
+                    sum[k] += it.white[k] * it.white[k];
                 }
+                n += 1.0;
                 recall.take(landmark, it.step, it.white);
             }
         }
         let share = |k: usize, lag: usize| (products[k][lag] / f64::max(squares[k][lag], 1e-9)).clamp(-0.95, 0.95);
-        Self { correlations: [0, 1].map(|k| [0, 1].map(|lag| share(k, lag))) }
+        let spread = sum.map(|sum| if n > 0.0 { (sum / n).sqrt().max(0.1) } else { 1.0 });
+        Self { spread, correlations: [0, 1].map(|k| [0, 1].map(|lag| share(k, lag))) }
     }
 
     /// Mean and variance of a whitened innovation of channel `k` after those before it.
@@ -61,9 +86,9 @@ impl Memory {
         match (past.last, past.before) {
             (Some(last), Some(before)) => {
                 let (a, b) = (r1 * (1.0 - r2) / (1.0 - r1 * r1), (r2 - r1 * r1) / (1.0 - r1 * r1));
-                (a * last[k] + b * before[k], (1.0 - a * r1 - b * r2).max(0.05))
+                (a * last + b * before, (1.0 - a * r1 - b * r2).max(0.05))
             }
-            (Some(last), None) => (r1 * last[k], 1.0 - r1 * r1),
+            (Some(last), None) => (r1 * last, 1.0 - r1 * r1),
             _ => (0.0, 1.0),
         }
     }
@@ -73,33 +98,31 @@ impl Recall {
     /// Nothing seen yet.
     #[must_use]
     pub fn new(memory: Memory, landmarks: usize) -> Self {
-        Self { memory, past: vec![Past::default(); landmarks] }
+        Self { memory, sizes: vec![Past::default(); landmarks], bearing: Past::default() }
     }
 
     /// What is left of an innovation once the past is taken away, again of variance 1, and the logarithms of the
     /// scales by which that was reached.
     #[must_use]
     pub fn fresh(&self, landmark: usize, step: usize, white: [f64; 2]) -> ([f64; 2], [f64; 2]) {
-        let past = self.of(landmark, step);
         let (mut fresh, mut scales) = ([0.0; 2], [0.0; 2]);
-        for k in 0..2 {
+        for (k, past) in self.past(landmark, step).into_iter().enumerate() {
             let (mean, variance) = self.memory.after(k, &past);
-            fresh[k] = (white[k] - mean) / variance.sqrt();
-            scales[k] = 0.5 * ln(variance);
+            let spread = self.memory.spread[k];
+            fresh[k] = (white[k] - mean) / (spread * variance.sqrt());
+            scales[k] = ln(spread) + 0.5 * ln(variance);
         }
         (fresh, scales)
     }
 
     /// Remembers a genuine innovation.
     pub fn take(&mut self, landmark: usize, step: usize, white: [f64; 2]) {
-        let past = self.of(landmark, step);
-        self.past[landmark] = Past { step, last: Some(white), before: past.last };
+        self.sizes[landmark] = self.sizes[landmark].then(step, white[0]);
+        self.bearing = self.bearing.then(step, white[1]);
     }
 
-    /// What counts as the past at a step: the two frames before.
-    fn of(&self, landmark: usize, step: usize) -> Past {
-        let past = self.past[landmark];
-        if past.last.is_some() && past.step + 1 == step { past } else { Past::default() }
+    fn past(&self, landmark: usize, step: usize) -> [Past; 2] {
+        [self.sizes[landmark].at(step), self.bearing.at(step)]
     }
 }
 
@@ -114,7 +137,7 @@ mod tests {
         let r1 = a / (1.0 - b);
         let r2 = a * r1 + b;
         let sd = (1.0 - a * r1 - b * r2).sqrt();
-        let memory = Memory { correlations: [[r1, r2]; 2] };
+        let memory = Memory { correlations: [[r1, r2]; 2], ..Memory::default() };
         let mut recall = Recall::new(memory, 1);
         let noise = [0.3, -1.2, 0.7, 2.0, -0.4, 0.1];
         let (mut x1, mut x2) = (0.5, -0.3);
@@ -132,7 +155,7 @@ mod tests {
 
     #[test]
     fn a_frame_without_the_landmark_ends_the_past() {
-        let mut recall = Recall::new(Memory { correlations: [[0.8, 0.5]; 2] }, 1);
+        let mut recall = Recall::new(Memory { correlations: [[0.8, 0.5]; 2], ..Memory::default() }, 1);
         recall.take(0, 4, [1.0; 2]);
         assert!((recall.fresh(0, 5, [0.8; 2]).0[0]).abs() < 1e-12);
         assert_eq!(recall.fresh(0, 6, [0.8; 2]), ([0.8; 2], [0.0; 2]));
