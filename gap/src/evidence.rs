@@ -126,16 +126,28 @@ fn refine(kind: &mut Tried, gain: &impl Fn(&Variant, f64) -> f64) {
     let (least, greatest) = (kind.points[0].0, kind.points[kind.points.len() - 1].0);
     let low = kind.points[i.saturating_sub(1)].0;
     let high = kind.points[(i + 1).min(kind.points.len() - 1)].0;
-    let peak = golden_section(|at| -gain(&kind.variant, at), low, high, 0.02);
-    let mut further = vec![(peak.x, -peak.value)];
-    // The curvature at the peak says how wide it is.
-    let h = 0.05;
-    let beside = [peak.x - h, peak.x + h].map(|at| at.clamp(least, greatest));
-    let drop = beside.map(|at| -peak.value - gain(&kind.variant, at));
-    let curvature = drop.into_iter().fold(0.0, f64::max) * 2.0 / (h * h);
-    let width = 1.0 / curvature.max(1.0).sqrt();
+    let found = golden_section(|at| -gain(&kind.variant, at), low, high, 0.02);
+    let mut peak = (found.x, -found.value);
+    let mut further = vec![peak];
+    // The parabola through three points says where the peak is and how wide; a second, narrower one says it of strong
+    // effects, whose peaks are far narrower than the search's last step.
+    let mut h = 0.05;
+    let mut width = 1.0;
+    for _ in 0..2 {
+        let sides = [peak.0 - h, peak.0 + h].map(|at| (at, gain(&kind.variant, at)));
+        let (rise, fall) = (peak.1 - sides[0].1, peak.1 - sides[1].1);
+        let curvature = ((rise + fall) / (h * h)).max(1.0);
+        width = 1.0 / curvature.sqrt();
+        let at = (peak.0 + ((rise - fall) / (2.0 * h * curvature)).clamp(-h, h)).clamp(least, greatest);
+        let there = (at, gain(&kind.variant, at));
+        further.push(there);
+        if there.1 > peak.1 {
+            peak = there;
+        }
+        h = width;
+    }
     for k in [-4.0, -2.5, -1.5, -0.7, 0.7, 1.5, 2.5, 4.0] {
-        let at = peak.x + k * width;
+        let at = peak.0 + k * width;
         if (least..=greatest).contains(&at) {
             further.push((at, gain(&kind.variant, at)));
         }
