@@ -119,9 +119,12 @@ impl Calibration {
         let weight = self.tau / (1.0 + self.fade * greatest(evidence));
         let singles = evidence.keys().filter(|cause| is_single(cause)).count().max(1) as f64;
         let none = [(NONE.to_owned(), ln(PRIOR_NONE) + self.beta(NONE))];
+        let leader = leader(evidence);
         let score = |(cause, nats): (&String, &f64)| {
-            let score = ln(prior(cause, singles)) + self.beta(cause) + weight * nats.clamp(-1e6, 1e9);
-            (cause.clone(), score)
+            // What a block explains on top of the leader is small and stays so, however much the leader explains.
+            let (named, beyond) = if is_unknown(cause) { (leader, nats - leader) } else { (*nats, 0.0) };
+            let told = weight * named.clamp(-1e6, 1e9) + self.tau * beyond.clamp(-1e6, 1e9);
+            (cause.clone(), ln(prior(cause, singles)) + self.beta(cause) + told)
         };
         let sharp = softmax(evidence.iter().map(score).chain(none).collect());
         let even = SLIP / sharp.len() as f64;
@@ -172,6 +175,11 @@ fn prior(cause: &str, singles: f64) -> f64 {
     // Each further effect costs a factor of 0.1, shared by all that it could have been.
     let further = cause.matches('+').count() as i32;
     (1.0 - PRIOR_NONE - PRIOR_UNKNOWN) / singles * (0.1 / singles).powi(further)
+}
+
+/// The evidence of the leader, on top of which the blocks were put; 0 of *none*.
+fn leader(evidence: &Evidence) -> f64 {
+    evidence.iter().filter(|(cause, _)| !is_unknown(cause)).map(|(_, nats)| *nats).fold(0.0, f64::max)
 }
 
 fn greatest(evidence: &Evidence) -> f64 {
@@ -240,8 +248,10 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
             let sharp = (p - even) / (1.0 - SLIP);
             let off = told * (sharp - f64::from(u8::from(*cause == case.truth)));
             let nats = case.evidence.get(cause).copied().unwrap_or(0.0).clamp(-1e6, 1e9);
-            slope[0] += off * nats * calibration.tau / fading;
-            slope[1] -= off * nats * calibration.tau * calibration.fade * top / (fading * fading);
+            let of_leader = leader(&case.evidence);
+            let (named, beyond) = if is_unknown(cause) { (of_leader, nats - of_leader) } else { (nats, 0.0) };
+            slope[0] += off * calibration.tau * (named / fading + beyond);
+            slope[1] -= off * named * calibration.tau * calibration.fade * top / (fading * fading);
             if let Ok(i) = causes.binary_search_by(|it| it.as_str().cmp(class(cause))) {
                 slope[2 + i] += off;
             }
