@@ -4,6 +4,7 @@ use asami_dataset::Log;
 
 use crate::diagnose::Diagnoser;
 use crate::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
+use crate::groups::Signature;
 use crate::judge::Judge;
 use crate::library::Library;
 use crate::plant::Planted;
@@ -44,8 +45,8 @@ pub trait Likelihood: Sync {
     /// Observations in the log.
     fn observations(&self) -> usize;
 
-    /// How far predictions under two hypotheses lie apart: half the squared distance of the whitened innovations, in
-    /// nats. Next to no noise is in it, since both are of the same log.
+    /// How far predictions under two hypotheses lie apart, in nats: of what is seen, of its noise and of what is missed.
+    /// Next to no chance is in it, since both are of the same log.
     fn apart(&self, one: &[Planted], other: &[Planted]) -> f64;
 
     /// The logarithm of the whole log's likelihood.
@@ -89,10 +90,9 @@ impl Likelihood for Judge<'_> {
     }
 
     fn apart(&self, one: &[Planted], other: &[Planted]) -> f64 {
-        let [one, other] = [one, other].map(|effects| self.filtered(&self.library.numbers(effects)).innovations);
-        let square = |(a, b): (f64, f64)| if a.is_finite() && b.is_finite() { (a - b) * (a - b) } else { 0.0 };
-        let pairs = one.iter().zip(&other).flat_map(|(one, other)| one.white.into_iter().zip(other.white));
-        0.5 * pairs.map(square).fold(0.0, |sum, square| sum + square)
+        let [one, other] = [one, other].map(|effects| self.library.numbers(effects));
+        let filtered = [&one, &other].map(|numbers| self.filtered(numbers));
+        Signature::new(self, (&one, &filtered[0]), (&other, &filtered[1])).nats()
     }
 }
 
