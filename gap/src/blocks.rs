@@ -6,7 +6,6 @@
 
 use asami_math::decomposition::{cholesky, cholesky_solve};
 use asami_math::elementary::{exp, ln};
-use asami_sim::effect::Block;
 
 use crate::columns::Group;
 use crate::judge::Judge;
@@ -14,18 +13,6 @@ use crate::shape::{Numbers, SPEEDS, Shape};
 
 /// The blocks' names, in the order in which they are tried; the last is all of them together.
 pub const BLOCKS: [&str; 6] = ["static_motion", "timing", "drift", "sensor", "noise", "all"];
-
-/// Name of the block that an effect would show in.
-#[must_use]
-pub fn name(block: Block) -> &'static str {
-    match block {
-        Block::StaticMotion => BLOCKS[0],
-        Block::Timing => BLOCKS[1],
-        Block::Drift => BLOCKS[2],
-        Block::Sensor => BLOCKS[3],
-        Block::Noise => BLOCKS[4],
-    }
-}
 
 /// A way in which a response may change: what is added to its numbers for one prior standard deviation.
 pub type Direction = Vec<f64>;

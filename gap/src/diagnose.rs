@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 
 use asami_dataset::Log;
-use asami_sim::effect::Place;
 
-use crate::blocks;
 use crate::calibration::{Calibration, NONE, UNKNOWN};
 use crate::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
 use crate::evidence::Weighed;
@@ -125,7 +123,7 @@ fn causes(
             probability,
             evidence_nats: if is_unknown { of_block } else { evidence.get(cause).copied().unwrap_or(0.0) },
             adequacy_p: adequacy_p.filter(|_| best == Some(cause)),
-            place: planted.first().map(|(planted, _)| place(planted.variant.place()).to_owned()),
+            place: planted.first().map(|(planted, _)| planted.variant.place().name().to_owned()),
             block: block.filter(|_| is_unknown).map(str::to_owned),
             behaves_like: best.filter(|_| is_unknown).map(str::to_owned),
             parameters: planted.iter().flat_map(|(planted, interval)| estimates(planted, *interval)).collect(),
@@ -136,15 +134,6 @@ fn causes(
 
 fn split(cause: &str) -> Vec<String> {
     cause.split('+').map(str::to_owned).collect()
-}
-
-fn place(place: Place) -> &'static str {
-    match place {
-        Place::Actuation => "actuation",
-        Place::Dynamics => "dynamics",
-        Place::Sensing => "sensing",
-        Place::Scene => "scene",
-    }
 }
 
 /// Values of a planted effect's parameters.
@@ -197,10 +186,4 @@ fn next_experiment(judge: &Judge<'_>, findings: &Findings, set90: &[String]) -> 
     } else {
         format!("{a} and {b} part by {apart:.2} nats in this log: commands of this kind will not split them")
     })
-}
-
-/// Which flexible block an effect's name belongs to, for scorers.
-#[must_use]
-pub fn block_of(variant: &Variant) -> &'static str {
-    blocks::name(variant.block())
 }

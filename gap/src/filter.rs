@@ -7,12 +7,12 @@
 use std::f64::consts::TAU;
 
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, exp, hypot, ln, sin_cos};
+use asami_math::elementary::{exp, ln, sin_cos};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
 use crate::columns::Group;
 use crate::memory::{Memory, Recall};
-use crate::shape::{Numbers, Shape, Sight, speed_class};
+use crate::shape::{Numbers, Shape, speed_class};
 use crate::view::{Seen, View};
 
 /// A pose with its covariance: world x, world y, heading.
@@ -196,28 +196,12 @@ impl<'a> Ready<'a> {
             f * belief.covariance * f.transpose() + rotation * Matrix3::from_diagonal(&q) * rotation.transpose();
     }
 
-    fn sight(&self, view: &View, i: usize, landmark: usize, at: &Vector3<f64>) -> Sight {
-        let step = &view.steps[i];
-        let [x_m, y_m] = view.landmarks[landmark];
-        let (dx, dy) = (x_m - at.x, y_m - at.y);
-        let bearing_rad = wrap_rad(atan2(-dx, dy) - at.z);
-        Sight {
-            distance_m: hypot(dx, dy),
-            bearing_rad,
-            off_rad: wrap_rad(bearing_rad - step.pan_rad),
-            pan_rad_per_s: step.pan_rad_per_s,
-            theta_rad: at.z,
-            landmark,
-            attempt: step.attempt,
-        }
-    }
-
     /// The logarithm of the probability of what was seen and what was missed, and what is expected of minus it.
     fn detection(&self, view: &View, i: usize, belief: &Belief, counted: &[bool], visits: &mut [f64]) -> (f64, f64) {
         let seen = &view.seen[view.steps[i].seen.clone()];
         let (mut log_likelihood, mut expected) = (0.0, 0.0);
         for (landmark, _) in counted.iter().enumerate().filter(|(_, counts)| **counts) {
-            let sight = self.sight(view, i, landmark, &belief.mean);
+            let sight = view.sight(i, landmark, belief.mean.into());
             let Some(bin) = self.shape.bin(sight.distance_m, sight.off_rad) else { continue };
             let [missed, found] = self.detection[bin];
             log_likelihood += if seen.iter().any(|it| it.landmark == landmark) { found } else { missed };
@@ -229,7 +213,7 @@ impl<'a> Ready<'a> {
 
     /// Whether a landmark is as likely to be seen two standard deviations of the pose to either side.
     fn is_clear(&self, view: &View, i: usize, landmark: usize, belief: &Belief) -> bool {
-        let sight = self.sight(view, i, landmark, &belief.mean);
+        let sight = view.sight(i, landmark, belief.mean.into());
         let d = sight.distance_m.max(0.05);
         let [x_m, y_m] = view.landmarks[landmark];
         let (ux, uy) = ((x_m - belief.mean.x) / d, (y_m - belief.mean.y) / d);
@@ -248,7 +232,7 @@ impl<'a> Ready<'a> {
     /// Takes one sighting in, and gives its log-likelihood.
     fn update(&mut self, view: &View, i: usize, seen: usize, belief: &mut Belief, into: &mut Vec<Innovation>) -> f64 {
         let Seen { landmark, size, bearing_rad } = view.seen[seen];
-        let sight = self.sight(view, i, landmark, &belief.mean);
+        let sight = view.sight(i, landmark, belief.mean.into());
         let mut slopes = [0.0; 4];
         self.shape.size_columns(&sight, &mut self.size_columns, &mut slopes);
         self.shape.bearing_columns(&sight, &mut self.bearing_columns);

@@ -4,7 +4,7 @@ use asami_dataset::truth::pose_at;
 use asami_dataset::{Dataset, TruePose};
 use asami_math::angle::wrap_rad;
 use asami_math::decomposition::{cholesky, cholesky_solve};
-use asami_math::elementary::{atan2, hypot, ln, sin_cos};
+use asami_math::elementary::{ln, sin_cos};
 
 use crate::columns::{Columns, Group};
 use crate::shape::{BANDS, Numbers, SPEEDS, Shape, Sight, speed_class};
@@ -99,19 +99,8 @@ impl Run {
 
     /// How a landmark really lies at a step.
     fn sight(&self, i: usize, landmark: usize) -> Sight {
-        let (pose, step) = (&self.poses[i], &self.view.steps[i]);
-        let [x_m, y_m] = self.view.landmarks[landmark];
-        let (dx, dy) = (x_m - pose.x_m, y_m - pose.y_m);
-        let bearing_rad = wrap_rad(atan2(-dx, dy) - pose.theta_rad);
-        Sight {
-            distance_m: hypot(dx, dy),
-            bearing_rad,
-            off_rad: wrap_rad(bearing_rad - step.pan_rad),
-            pan_rad_per_s: step.pan_rad_per_s,
-            theta_rad: pose.theta_rad,
-            landmark,
-            attempt: step.attempt,
-        }
+        let TruePose { x_m, y_m, theta_rad, .. } = self.poses[i];
+        self.view.sight(i, landmark, [x_m, y_m, theta_rad])
     }
 
     /// The displacement before a step in the robot's frame, R(-theta) (w' - w), and its row of columns with the

@@ -5,7 +5,6 @@ use asami_sim::effect::About;
 use asami_sim::effects::catalogue;
 use rand::RngExt;
 
-use crate::blocks;
 use crate::calibration::{Case, Evidence, NONE, UNKNOWN};
 use crate::findings::{Findings, absorbed_nats};
 use crate::groups::SPLIT_NATS;
@@ -73,7 +72,7 @@ pub fn practise(
         let name = only.variant.about.name;
         let rest = findings.without(&judge, &[name]).evidence();
         if !has_alias(evidence.get(name).copied().unwrap_or(0.0), &rest) {
-            let truth = format!("{UNKNOWN}/{}", blocks::name(only.variant.block()));
+            let truth = format!("{UNKNOWN}/{}", only.variant.block().name());
             cases.push(Case { truth, evidence: rest, absorbed_nats: None });
         }
     }

@@ -1,8 +1,11 @@
 //! A log as the filter walks through it: frames, the rows of the motion's columns, and what was seen.
 
 use asami_dataset::{Frame, Log, Size};
+use asami_math::angle::wrap_rad;
+use asami_math::elementary::{atan2, hypot};
 
 use crate::columns::Columns;
+use crate::shape::Sight;
 
 /// A log that cannot be diagnosed, and why.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -127,6 +130,23 @@ impl View {
             return Err(CannotSee::TooShort { frames: frames.len(), seen, least: LEAST_SEEN });
         }
         Ok(view)
+    }
+
+    /// How a landmark lies at a step from a pose: world x, world y, heading.
+    #[must_use]
+    pub fn sight(&self, step: usize, landmark: usize, [x_m, y_m, theta_rad]: [f64; 3]) -> Sight {
+        let step = &self.steps[step];
+        let (dx, dy) = (self.landmarks[landmark][0] - x_m, self.landmarks[landmark][1] - y_m);
+        let bearing_rad = wrap_rad(atan2(-dx, dy) - theta_rad);
+        Sight {
+            distance_m: hypot(dx, dy),
+            bearing_rad,
+            off_rad: wrap_rad(bearing_rad - step.pan_rad),
+            pan_rad_per_s: step.pan_rad_per_s,
+            theta_rad,
+            landmark,
+            attempt: step.attempt,
+        }
     }
 
     /// The row of the motion's columns of a step.

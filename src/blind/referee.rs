@@ -140,8 +140,7 @@ fn effect(likelihood: &dyn Likelihood, planted: &[Planted], i: usize, rivals: &[
     let rest: Vec<Planted> = planted.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, it)| it.clone()).collect();
     let mut best: std::collections::BTreeMap<&str, &Scored> = std::collections::BTreeMap::new();
     for rival in rivals {
-        let Some((last, kept)) = rival.planted.split_last().filter(|(_, kept)| **kept == rest[..]) else { continue };
-        debug_assert!(kept.len() == rest.len());
+        let Some((last, _)) = rival.planted.split_last().filter(|(_, kept)| **kept == rest[..]) else { continue };
         let known = best.entry(last.variant.about.name).or_insert(rival);
         if rival.score > known.score {
             *known = rival;
