@@ -1,6 +1,6 @@
 //! One data set out of a scenario's world.
 
-use asami_dataset::parameters::Fault;
+use asami_dataset::parameters::{Fault, out_of_range};
 use asami_dataset::{Dataset, Seed};
 use asami_sim::effects::{Effects, catalogue};
 
@@ -101,9 +101,13 @@ fn set(effects: &mut Effects, setting: &Setting) -> Result<(), CannotGenerate> {
     let Setting { effect, parameter, value } = setting;
     let about = catalogue().into_iter().find(|about| about.name == effect);
     let about = about.ok_or_else(|| CannotGenerate::NoSuchEffect { name: effect.clone() })?;
-    if effects.set(effect, parameter, *value) {
-        return Ok(());
+    let Some(declared) = about.parameters.iter().find(|declared| declared.name == parameter) else {
+        let has = about.parameters.iter().map(|parameter| parameter.name).collect::<Vec<_>>().join(", ");
+        return Err(CannotGenerate::NoSuchParameter { effect: effect.clone(), name: parameter.clone(), has });
+    };
+    if let Some(fault) = out_of_range(&format!("effects.{effect}"), declared, *value) {
+        return Err(CannotGenerate::Faults(vec![fault]));
     }
-    let has = about.parameters.iter().map(|parameter| parameter.name).collect::<Vec<_>>().join(", ");
-    Err(CannotGenerate::NoSuchParameter { effect: effect.clone(), name: parameter.clone(), has })
+    effects.set(effect, parameter, *value);
+    Ok(())
 }

@@ -59,18 +59,22 @@ fn the_small_scenario_of_the_docs_is_one() {
     }
 }
 
-/// The tutorial from a log to a repaired simulator, as it stands there, uncalibrated.
+/// The tutorial from a log to a repaired simulator, and the page on blind sweeps, as they stand there, uncalibrated.
 #[test]
 fn the_commands_of_the_tutorial_run() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let page = std::fs::read_to_string(root.join("docs/diagnosis.md")).expect("the page");
+    let page = |name: &str| std::fs::read_to_string(root.join("docs").join(name)).expect("the page");
+    let pages = page("diagnosis.md") + &page("blind.md");
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::create_dir(folder.path().join("scenarios")).expect("made");
-    std::fs::copy(root.join("scenarios/plain_2d.toml"), folder.path().join("scenarios/plain_2d.toml"))
-        .expect("shipped");
-    let blocks = page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
+    for name in ["plain_2d.toml", "blind_plain_2d.toml"] {
+        let shipped = std::fs::read_to_string(root.join("scenarios").join(name)).expect("shipped");
+        let uncalibrated = shipped.replace("calibration_cases = 400", "calibration_cases = 0");
+        std::fs::write(folder.path().join("scenarios").join(name), uncalibrated).expect("written");
+    }
+    let blocks = pages.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
     let commands: Vec<&str> = blocks.flat_map(str::lines).collect();
-    assert_eq!(commands.len(), 4, "{commands:?}");
+    assert_eq!(commands.len(), 6, "{commands:?}");
     let answer = folder.path().join("results/diagnosis/001");
     for line in commands {
         // Whether there is an effect to repair hangs on what the catalogue's laws draw.
@@ -81,6 +85,7 @@ fn the_commands_of_the_tutorial_run() {
         let ["cargo", "run", "--bin", program, ref arguments @ ..] = words[..] else { panic!("{line}") };
         let (program, more): (_, &[&str]) = match program {
             "generate" => (env!("CARGO_BIN_EXE_generate"), &[]),
+            "sweep" => (env!("CARGO_BIN_EXE_sweep"), &[]),
             "diagnose" => (env!("CARGO_BIN_EXE_diagnose"), &["--calibrate", "0"]),
             _ => panic!("{line}"),
         };
@@ -88,6 +93,40 @@ fn the_commands_of_the_tutorial_run() {
         assert!(ran.status.success(), "{line}: {}", String::from_utf8_lossy(&ran.stderr));
     }
     assert!(answer.join("diagnosis.json").exists() && answer.join("report.html").exists());
+    let trials = folder.path().join("results/blind_try/trials.csv");
+    assert_eq!(std::fs::read_to_string(trials).expect("written").lines().count(), 1 + 3 * 3);
+}
+
+/// Every key of a blind scenario, every measure and every column of its `trials.csv` has its place on the page.
+#[test]
+fn the_page_on_blind_sweeps_is_complete() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let read = |name: &str| std::fs::read_to_string(root.join(name)).expect(name);
+    let (page, source) = (read("docs/blind.md"), read("src/blind/scenario.rs"));
+    let (_, fields) = source.split_once("pub struct Asked {").expect("the wire format");
+    let fields = fields.split_once("\n}").expect("its end").0;
+    let keys = fields.lines().filter_map(|line| line.trim().strip_prefix("pub ")?.split_once(':')).map(|(key, _)| key);
+    let (_, measures) = source.split_once("pub enum Measure {").expect("the measures");
+    let measures = measures.split_once("\n}").expect("their end").0;
+    let measures = measures.lines().filter_map(|line| line.trim().strip_suffix(','));
+    let snake = |word: &str| {
+        let apart = |(i, letter): (usize, char)| match letter {
+            letter if letter.is_uppercase() && i > 0 => format!("_{}", letter.to_ascii_lowercase()),
+            letter => letter.to_ascii_lowercase().to_string(),
+        };
+        word.chars().enumerate().map(apart).collect::<String>()
+    };
+    let names: Vec<String> = keys
+        .chain(asami::blind::rows::COLUMNS.split(','))
+        .map(str::to_owned)
+        .chain(measures.map(snake))
+        .chain(asami::blind::scenario::DIAGNOSERS.map(str::to_owned))
+        .collect();
+    assert!(names.len() > 40, "{names:?}");
+    for name in names {
+        let written = ["`", "`[", "`[["].map(|before| format!("{before}{name}"));
+        assert!(written.iter().any(|written| page.contains(written)), "{name} is not on the page");
+    }
 }
 
 #[test]

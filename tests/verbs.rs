@@ -288,5 +288,7 @@ fn a_bad_scenario_or_effect_is_shown() {
     refused(&effect("ground_friction.slip=1"), "effect ground_friction has no parameter slip; it has ratio");
     refused(&effect("ground_friction.ratio=9"), "ratio must lie in 0.1..=1.5, not 9");
     refused(&effect("ground_friction.ratio=nan"), "not NaN");
+    refused(&effect("weak_leg.leg=1.5"), "effects.weak_leg.leg: leg must be a whole number, not 1.5");
+    refused(&effect("weak_leg.leg=-1"), "leg must lie in 0..=3, not -1");
     refused(&effect("ground_friction"), "must be NAME.PARAM=VALUE");
 }

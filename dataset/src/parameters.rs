@@ -15,6 +15,8 @@ pub struct Parameter {
     pub default: f64,
     /// Least and greatest value allowed.
     pub range: (f64, f64),
+    /// Whether only whole numbers are.
+    pub whole: bool,
     /// What it is.
     pub about: &'static str,
 }
@@ -36,7 +38,7 @@ pub trait Parameters {
         Self: Sized;
     /// Their values, in the same order.
     fn values(&self) -> Vec<f64>;
-    /// Sets one by name; `false` if there is none of that name.
+    /// Sets one by name; `false`, and nothing is set, if there is none of that name or its type cannot hold the value.
     fn set(&mut self, name: &str, value: f64) -> bool;
     /// Adds a fault for every value out of range; `path` is the table's own place in the file.
     fn check(&self, path: &str, faults: &mut Vec<Fault>);
@@ -46,15 +48,16 @@ pub trait Parameters {
 #[must_use]
 pub fn out_of_range(path: &str, parameter: &Parameter, value: f64) -> Option<Fault> {
     let (least, greatest) = parameter.range;
-    if (least..=greatest).contains(&value) {
-        return None;
-    }
-    let unit = if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) };
     let name = parameter.name;
-    Some(Fault {
-        path: format!("{path}.{name}"),
-        message: format!("{name} must lie in {least}..={greatest}{unit}, not {value}"),
-    })
+    let message = if !(least..=greatest).contains(&value) {
+        let unit = if parameter.unit == "1" { String::new() } else { format!(" {}", parameter.unit) };
+        format!("{name} must lie in {least}..={greatest}{unit}, not {value}")
+    } else if parameter.whole && value.fract() != 0.0 {
+        format!("{name} must be a whole number, not {value}")
+    } else {
+        return None;
+    };
+    Some(Fault { path: format!("{path}.{name}"), message })
 }
 
 /// Declares a struct of numbers with defaults, units and ranges.
@@ -72,6 +75,7 @@ pub fn out_of_range(path: &str, parameter: &Parameter, value: f64) -> Option<Fau
 /// use asami_dataset::parameters::Parameters;
 /// let mut spring = Spring::default();
 /// assert!(spring.set("stiffness_n_per_m", 200.0));
+/// assert!(!spring.set("turns", 1.5) && !spring.set("turns", -1.0) && spring.turns == 5);
 /// let mut faults = Vec::new();
 /// spring.check("body.spring", &mut faults);
 /// assert_eq!(faults[0].path, "body.spring.stiffness_n_per_m");
@@ -93,13 +97,21 @@ macro_rules! parameters {
             fn table() -> &'static [$crate::parameters::Parameter] {
                 const TABLE: &[$crate::parameters::Parameter] = &[$($crate::parameters::Parameter {
                     name: stringify!($name), unit: $unit, default: $default as f64, range: ($least, $greatest),
-                    about: concat!($($about),*),
+                    whole: (0.5 as $type) as f64 != 0.5, about: concat!($($about),*),
                 }),*];
                 TABLE
             }
             fn values(&self) -> Vec<f64> { vec![$(self.$name as f64),*] }
             fn set(&mut self, name: &str, value: f64) -> bool {
-                match name { $(stringify!($name) => { self.$name = value as $type; true })* _ => false }
+                match name {
+                    $(stringify!($name) => {
+                        let held = value as $type;
+                        let whole = held as f64 == value;
+                        if whole { self.$name = held; }
+                        whole
+                    })*
+                    _ => false,
+                }
             }
             fn check(&self, path: &str, faults: &mut Vec<$crate::parameters::Fault>) {
                 let values = <Self as $crate::parameters::Parameters>::values(self);

@@ -108,11 +108,6 @@ fn override_one<T: Parameters>(learner: &mut T, path: &str, name: &str, value: f
         return;
     }
     learner.set(name, value);
-    // Setting rounds where the parameter is a whole number.
-    if learner.values()[i] != value {
-        let message = format!("{name} must be a whole number, not {value}");
-        faults.push(Fault { path: format!("{path}.{name}"), message });
-    }
 }
 
 learners! {

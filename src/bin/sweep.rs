@@ -11,11 +11,15 @@ use clap::Parser;
 
 /// Runs every trial of a scenario: logs across seeds, learners, starting models.
 ///
+/// Of a blind scenario (study = "blind"): plants effects in its nominal world, lets diagnosers see each log alone, and
+/// scores them.
+///
 /// A stopped sweep goes on where it was. The table goes to stdout, everything else to stderr and DIR.
 #[derive(Parser)]
 #[command(
     version,
-    after_help = "Example:\n  sweep scenarios/aibo_1d.toml --seeds 3 -o results/try\n\n\
+    after_help = "Examples:\n  sweep scenarios/aibo_1d.toml --seeds 3 -o results/try\n  \
+                  sweep scenarios/blind_plain_2d.toml --seeds 20 -o results/blind_try\n\n\
                   Exit status: 0 done, 1 our bug, 2 bad scenario or missing data, 3 some trial errored."
 )]
 struct Arguments {
@@ -51,7 +55,7 @@ fn main() -> ExitCode {
             Asked { seeds: arguments.seeds, data: arguments.data, only: arguments.only, out: out.clone(), jobs };
         let plan = plan(scenario, &asked)?;
         let options = Options { out, jobs, program: manifest::program() };
-        let outcome = carry_out(&plan, &options, &Progress::default()).map_err(verb::plain)?;
+        let outcome = carry_out(&plan, &options, &Progress::of("learning")).map_err(verb::plain)?;
         verb::print(&outcome.text);
         eprintln!("written to {}", options.out.display());
         Ok(if outcome.has_errors { verb::Ending::TrialErred } else { verb::Ending::Done })
@@ -71,7 +75,7 @@ fn in_the_dark(mut blind: blind::scenario::Blind, arguments: Arguments) -> Resul
     let libraries = PathBuf::from("results/library");
     let listener = diagnose::progress::Progress::default();
     let field = blind::field::Field::new(&blind, &libraries, &listener).map_err(verb::plain)?;
-    let results = blind::walk::run(&blind, &field, &options, &Progress::default()).map_err(verb::plain)?;
+    let results = blind::walk::run(&blind, &field, &options, &Progress::of("diagnosing")).map_err(verb::plain)?;
     let outcome = report::blind::write(&results, &options.program, &options.out).map_err(verb::plain)?;
     verb::print(&outcome.text);
     eprintln!("written to {}", options.out.display());

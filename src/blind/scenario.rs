@@ -132,7 +132,7 @@ const CASES: Parameter = number("cases", "1", (1.0, 100_000.0));
 const DURATION: Parameter = number("duration_s", "s", (1.0, 3600.0));
 
 const fn number(name: &'static str, unit: &'static str, range: (f64, f64)) -> Parameter {
-    Parameter { name, unit, default: 0.0, range, about: "" }
+    Parameter { name, unit, default: 0.0, range, whole: false, about: "" }
 }
 
 /// Reads and checks a blind scenario; `None` where the file asks another kind of question, or is no TOML at all,

@@ -16,6 +16,8 @@ const LINE_EVERY: Duration = Duration::from_secs(10);
 /// Speaks to stderr.
 pub struct Progress {
     state: Mutex<State>,
+    /// What is done with a log, in a word.
+    work: &'static str,
 }
 
 struct State {
@@ -26,10 +28,12 @@ struct State {
     said: Instant,
 }
 
-impl Default for Progress {
-    fn default() -> Self {
+impl Progress {
+    /// Of a sweep that does this with its logs, in a word: `learning`.
+    #[must_use]
+    pub fn of(work: &'static str) -> Self {
         let state = State { bar: None, trials_per_case: 0, done: 0, of: 0, said: Instant::now() };
-        Self { state: Mutex::new(state) }
+        Self { state: Mutex::new(state), work }
     }
 }
 
@@ -75,9 +79,9 @@ impl Watcher for Progress {
                 bar.finish_and_clear();
             }
         } else if state.of <= 50 || state.done == state.of || state.said.elapsed() > LINE_EVERY {
-            let learning_s: f64 = timing.trials_s.iter().sum();
-            let (name, log_s) = (case.name(), timing.log_s);
-            let line = format!("{}: log {name} in {log_s:.1} s, learning in {learning_s:.1} s", state.count());
+            let work_s: f64 = timing.trials_s.iter().sum();
+            let (name, log_s, work) = (case.name(), timing.log_s, self.work);
+            let line = format!("{}: log {name} in {log_s:.1} s, {work} in {work_s:.1} s", state.count());
             state.say(&line);
         }
     }

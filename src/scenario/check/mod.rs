@@ -12,7 +12,7 @@ use super::{Scenario, Study};
 pub use origin::effects_fit;
 
 const fn number(name: &'static str, unit: &'static str, range: (f64, f64)) -> Parameter {
-    Parameter { name, unit, default: 0.0, range, about: "" }
+    Parameter { name, unit, default: 0.0, range, whole: false, about: "" }
 }
 
 /// An hour: longer logs do not fit the house's memory.
