@@ -67,13 +67,15 @@ pub trait Judges: Sync {
 /// Blocks are so long.
 const BLOCK_S: f64 = 5.0;
 
-impl Likelihood for Judge<'_> {
+/// A log's likelihood by a library of responses.
+struct ByResponse<'a>(Box<dyn Judge + 'a>);
+
+impl Likelihood for ByResponse<'_> {
     fn blocks(&self, effects: &[Planted]) -> Vec<f64> {
-        let filtered = self.filtered(&self.library.numbers(effects));
-        let steps = self.view.steps.get(self.scored()..).unwrap_or_default();
+        let reading = self.0.read(&self.0.numbers(effects));
         let mut blocks: Vec<f64> = Vec::new();
         let mut ends_s = f64::NEG_INFINITY;
-        for (step, log_likelihood) in steps.iter().zip(&filtered.log_likelihoods) {
+        for (step, log_likelihood) in self.0.steps().iter().zip(&reading.log_likelihoods) {
             if step.t_s >= ends_s {
                 blocks.push(0.0);
                 ends_s = step.t_s + BLOCK_S;
@@ -86,20 +88,19 @@ impl Likelihood for Judge<'_> {
     }
 
     fn observations(&self) -> usize {
-        self.view.steps.iter().skip(self.scored()).map(|step| step.seen.len()).sum()
+        self.0.steps().iter().map(|step| step.seen).sum()
     }
 
     fn apart(&self, one: &[Planted], other: &[Planted]) -> f64 {
-        let [one, other] = [one, other].map(|effects| self.library.numbers(effects));
-        let filtered = [&one, &other].map(|numbers| self.filtered(numbers));
-        Signature::new(self, (&one, &filtered[0]), (&other, &filtered[1])).nats()
+        let [one, other] = [one, other].map(|effects| self.0.read(&self.0.numbers(effects)));
+        Signature::new(&one, &other).nats()
     }
 }
 
 impl Judges for Library {
     fn of<'a>(&'a self, log: &'a Log) -> Result<Box<dyn Likelihood + 'a>, CannotDiagnose> {
-        let judge = Judge::new(log, self).map_err(|error| CannotDiagnose(error.to_string()))?;
-        Ok(Box::new(judge))
+        let judge = self.judge(log).map_err(|error| CannotDiagnose(error.to_string()))?;
+        Ok(Box::new(ByResponse(judge)))
     }
 }
 

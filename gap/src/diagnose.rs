@@ -42,14 +42,15 @@ impl Diagnoser<'_> {
     /// # Errors
     /// [`CannotSee`] says what the log lacks.
     pub fn diagnose(&self, log: &Log) -> Result<Diagnosis, CannotSee> {
-        let judge = Judge::new(log, self.library)?;
-        let findings = Findings::new(&judge, self.variants);
+        let judge = self.library.judge(log)?;
+        let judge = &*judge;
+        let findings = Findings::new(judge, self.variants);
         let evidence = findings.evidence();
         let probabilities = self.calibration.probabilities(&evidence);
         let set90 = self.calibration.set90(&evidence, &probabilities);
         let near = findings.weighed.first().map_or(0.0, |it| it.evidence_nats) - 30.0;
         let leaders: Vec<&Weighed> = findings.weighed.iter().filter(|it| it.evidence_nats > near.max(0.0)).collect();
-        let cannot_tell_apart = groups(&judge, &leaders);
+        let cannot_tell_apart = groups(judge, &leaders);
 
         let mut ranked: Vec<(&String, f64)> = probabilities.iter().map(|(cause, p)| (cause, *p)).collect();
         ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -64,21 +65,21 @@ impl Diagnoser<'_> {
         let better = match verdict {
             Verdict::None => None,
             Verdict::Unknown => fitted.map(|block| block.numbers.clone()),
-            Verdict::Named | Verdict::Tied => Some(self.library.numbers(&planted)),
+            Verdict::Named | Verdict::Tied => Some(judge.numbers(&planted)),
         };
-        let base = &self.library.base.numbers;
+        let base = &judge.numbers(&[]);
         let added: &[Planted] = if matches!(verdict, Verdict::Named | Verdict::Tied) { &planted } else { &[] };
         Ok(Diagnosis {
             schema: SCHEMA,
             verdict,
-            places: better.map_or_else(Vec::new, |better| places(&judge, base, &better)),
+            places: better.map_or_else(Vec::new, |better| places(judge, base, &better)),
             which: causes(&findings, &ranked, best.as_deref(), block.as_deref(), adequacy_p),
-            next_experiment: (verdict == Verdict::Tied).then(|| next_experiment(&judge, &findings, &set90)).flatten(),
+            next_experiment: (verdict == Verdict::Tied).then(|| next_experiment(judge, &findings, &set90)).flatten(),
             set90: set90.iter().map(|cause| split(cause)).collect(),
             cannot_tell_apart,
-            smallest_visible: self.smallest_visible(&judge),
+            smallest_visible: self.smallest_visible(judge),
             calibrated_on: None,
-            how_far: if verdict == Verdict::None { HowFar::default() } else { how_far(&judge, added) },
+            how_far: if verdict == Verdict::None { HowFar::default() } else { how_far(judge, added) },
         })
     }
 
@@ -92,13 +93,13 @@ impl Diagnoser<'_> {
     }
 
     /// By `NAME.PARAM`, over the kinds of each effect the easiest to see.
-    fn smallest_visible(&self, judge: &Judge<'_>) -> BTreeMap<String, f64> {
-        let filtered = judge.filtered(&self.library.base.numbers);
+    fn smallest_visible(&self, judge: &dyn Judge) -> BTreeMap<String, f64> {
+        let nominal = judge.read(&judge.numbers(&[]));
         let mut smallest: BTreeMap<String, f64> = BTreeMap::new();
-        for variant in self.variants.iter().filter(|variant| self.library.entry(variant).is_some()) {
+        for variant in self.variants.iter().filter(|variant| judge.knows(variant)) {
             let key = format!("{}.{}", variant.about.name, variant.sized().0);
             let planted = Planted { variant: variant.clone(), size: variant.sizes().1 };
-            let size = visible(judge, &filtered, &planted, VISIBLE_NATS);
+            let size = visible(judge, &nominal, &planted, VISIBLE_NATS);
             smallest.entry(key).and_modify(|known| *known = known.min(size)).or_insert(size);
         }
         smallest
@@ -167,15 +168,14 @@ fn verdict(
 }
 
 /// How long a log of this kind must be to split the two most probable causes of the set.
-fn next_experiment(judge: &Judge<'_>, findings: &Findings, set90: &[String]) -> Option<String> {
+fn next_experiment(judge: &dyn Judge, findings: &Findings, set90: &[String]) -> Option<String> {
     let single = |cause: &&String| findings.weighed.iter().find(|it| it.effect == cause.as_str());
     let tied: Vec<&Weighed> = set90.iter().filter_map(|cause| single(&cause)).take(2).collect();
     let [a, b] = tied.as_slice() else { return None };
     let signatures = signatures(judge, [*a, *b].into_iter());
     let most = |weighed: &Weighed| weighed.best.variant.sizes().1 / weighed.best.size;
     let apart = signatures[0].beyond(&signatures[1], most(b)).min(signatures[1].beyond(&signatures[0], most(a)));
-    let steps = &judge.view.steps;
-    let length_s = steps.last()?.t_s - steps.first()?.t_s;
+    let length_s = judge.length_s();
     let (a, b) = (a.effect, b.effect);
     // A set of one needs odds of about 20 to 1 on average: 6 nats leave room for chance.
     let needed_s = length_s * 6.0 / apart.max(1e-6);

@@ -91,7 +91,7 @@ fn between(a: f64, b: f64) -> f64 {
 /// Weighs every effect of which `variants` has kinds, in the order of their first kind. `with` is what else is in
 /// the world.
 #[must_use]
-pub fn weigh(judge: &Judge<'_>, variants: &[Variant], with: &[Planted], look: Look) -> Vec<Weighed> {
+pub fn weigh(judge: &dyn Judge, variants: &[Variant], with: &[Planted], look: Look) -> Vec<Weighed> {
     let none = judge.log_likelihood(with);
     let gain = |variant: &Variant, ln_size: f64| {
         let planted = Planted { variant: variant.clone(), size: exp(ln_size) };
@@ -99,7 +99,7 @@ pub fn weigh(judge: &Judge<'_>, variants: &[Variant], with: &[Planted], look: Lo
         if likely.is_finite() { likely } else { f64::NEG_INFINITY }
     };
     let mut effects: Vec<(&'static str, Vec<Tried>)> = Vec::new();
-    for variant in variants.iter().filter(|variant| judge.library.entry(variant).is_some()) {
+    for variant in variants.iter().filter(|variant| judge.knows(variant)) {
         let (least, greatest) = variant.sizes();
         let at = |i: usize| ln(least) + ln(greatest / least) * i as f64 / (look.sizes - 1) as f64;
         let points = (0..look.sizes).map(|i| (at(i), gain(variant, at(i)))).collect();

@@ -46,7 +46,7 @@ pub struct Findings {
 impl Findings {
     /// Weighs every cause.
     #[must_use]
-    pub fn new(judge: &Judge<'_>, variants: &[Variant]) -> Self {
+    pub fn new(judge: &dyn Judge, variants: &[Variant]) -> Self {
         let mut weighed = weigh(judge, variants, &[], CLOSE);
         weighed.sort_by(|a, b| b.evidence_nats.total_cmp(&a.evidence_nats));
         let pairs = pairs(judge, variants, &weighed);
@@ -55,7 +55,7 @@ impl Findings {
 
     /// The same, had some effects not been in the list.
     #[must_use]
-    pub fn without(&self, judge: &Judge<'_>, effects: &[&str]) -> Self {
+    pub fn without(&self, judge: &dyn Judge, effects: &[&str]) -> Self {
         let stays = |cause: &str| !cause.split('+').any(|effect| effects.contains(&effect));
         let weighed = self.weighed.iter().filter(|it| stays(it.effect)).cloned().collect();
         let pairs = self.pairs.iter().filter(|it| stays(&it.cause)).cloned().collect();
@@ -63,14 +63,14 @@ impl Findings {
     }
 
     /// A cause in nobody's list must explain what the best in the list leaves.
-    fn of(judge: &Judge<'_>, weighed: Vec<Weighed>, pairs: Vec<Pair>) -> Self {
+    fn of(judge: &dyn Judge, weighed: Vec<Weighed>, pairs: Vec<Pair>) -> Self {
         let single = weighed.first().map(|it| (it.evidence_nats, it.effect.to_owned()));
         let pair = pairs.first().map(|it| (it.evidence_nats + ln(PRIOR_OF_A_SECOND), it.cause.clone()));
         let best = single.into_iter().chain(pair).reduce(|a, b| if b.0 > a.0 { b } else { a });
         let leader = best.filter(|(nats, _)| *nats > WORTH_A_SECOND).map_or_else(|| NONE.to_owned(), |(_, it)| it);
         let mut findings = Self { weighed, pairs, leader, blocks: Vec::new() };
         let planted: Vec<Planted> = findings.planted(&findings.leader).into_iter().map(|(it, _)| it).collect();
-        findings.blocks = blocks::fit(judge, &judge.library.numbers(&planted), &|_| true);
+        findings.blocks = blocks::fit(judge, &judge.numbers(&planted), &|_| true);
         findings
     }
 
@@ -115,7 +115,7 @@ pub fn absorbed_nats(blocks: &[Fitted]) -> f64 {
 }
 
 /// Every effect beside each of the leaders, and the leader's size found again.
-fn pairs(judge: &Judge<'_>, variants: &[Variant], weighed: &[Weighed]) -> Vec<Pair> {
+fn pairs(judge: &dyn Judge, variants: &[Variant], weighed: &[Weighed]) -> Vec<Pair> {
     let Some(top) = weighed.first().map(|it| it.evidence_nats).filter(|nats| *nats > WORTH_A_SECOND) else {
         return Vec::new();
     };

@@ -7,10 +7,8 @@
 use asami_math::elementary::{exp, ln};
 
 use crate::evidence::Weighed;
-use crate::filter::Filtered;
-use crate::judge::Judge;
+use crate::judge::{Judge, Reading, Share};
 use crate::plant::Planted;
-use crate::shape::Numbers;
 
 /// Hypotheses that part by less than this cannot be told apart.
 pub const SPLIT_NATS: f64 = 3.0;
@@ -22,28 +20,21 @@ const FAINT_NATS: f64 = 1.5;
 pub struct Signature(Vec<f64>);
 
 impl Signature {
-    /// Of `planted` against `base`, both filtered.
+    /// Of one hypothesis against another: the same log read under both.
     #[must_use]
-    pub fn new(judge: &Judge<'_>, base: (&[f64], &Filtered), with: (&[f64], &Filtered)) -> Self {
+    pub fn new(base: &Reading, with: &Reading) -> Self {
         let sqrt_2 = std::f64::consts::SQRT_2;
-        let mut signature = Vec::with_capacity(4 * base.1.innovations.len());
-        for (before, after) in base.1.innovations.iter().zip(&with.1.innovations) {
+        let mut signature = Vec::with_capacity(2 * base.innovations.len() + base.shares.len());
+        for (before, after) in base.innovations.iter().zip(&with.innovations) {
             // What is taken to be of something else says nothing.
-            let counts = before.genuine > 0.5 && after.genuine > 0.5;
-            for k in 0..2 {
-                signature.push(if counts { after.white[k] - before.white[k] } else { 0.0 });
-                signature.push(if counts { sqrt_2 * (after.ln_scale[k] - before.ln_scale[k]) } else { 0.0 });
-            }
+            let counts = before.genuine && after.genuine;
+            signature.push(if counts { after.white - before.white } else { 0.0 });
+            signature.push(if counts { sqrt_2 * (after.ln_scale - before.ln_scale) } else { 0.0 });
         }
-        let shape = &judge.library.base.shape;
-        let share = |logit: f64| 1.0 / (1.0 + exp(-logit));
-        let n = base.1.innovations.len() as f64;
-        let at = shape.range(Numbers::False).start;
         // The length of an arc: the angle arcsin(sqrt p) stabilises a share's variance to 1/4n.
-        let arc = |logit: f64| asami_math::elementary::asin(share(logit).sqrt());
-        signature.push(2.0 * n.sqrt() * (arc(with.0[at]) - arc(base.0[at])));
-        for (bin, visits) in shape.range(Numbers::Detection).zip(&base.1.visits) {
-            signature.push(2.0 * visits.sqrt() * (arc(with.0[bin]) - arc(base.0[bin])));
+        let arc = |share: &Share| asami_math::elementary::asin((1.0 / (1.0 + exp(-share.log_odds))).sqrt());
+        for (before, after) in base.shares.iter().zip(&with.shares) {
+            signature.push(2.0 * before.trials.sqrt() * (arc(after) - arc(before)));
         }
         Self(signature.into_iter().map(|it| if it.is_finite() { it } else { 0.0 }).collect())
     }
@@ -66,19 +57,18 @@ impl Signature {
 
 /// Signatures of single effects at their most likely sizes.
 #[must_use]
-pub fn signatures<'a>(judge: &Judge<'_>, weighed: impl Iterator<Item = &'a Weighed>) -> Vec<Signature> {
-    let base = &judge.library.base.numbers;
-    let filtered = judge.filtered(base);
+pub fn signatures<'a>(judge: &dyn Judge, weighed: impl Iterator<Item = &'a Weighed>) -> Vec<Signature> {
+    let base = judge.read(&judge.numbers(&[]));
     let of = |weighed: &Weighed| {
-        let numbers = judge.library.numbers(std::slice::from_ref(&weighed.best));
-        Signature::new(judge, (base, &filtered), (&numbers, &judge.filtered(&numbers)))
+        let numbers = judge.numbers(std::slice::from_ref(&weighed.best));
+        Signature::new(&base, &judge.read(&numbers))
     };
     weighed.map(of).collect()
 }
 
 /// Groups, of two and more, of effects that this log cannot split at the sizes found.
 #[must_use]
-pub fn groups(judge: &Judge<'_>, weighed: &[&Weighed]) -> Vec<Vec<String>> {
+pub fn groups(judge: &dyn Judge, weighed: &[&Weighed]) -> Vec<Vec<String>> {
     let signatures = signatures(judge, weighed.iter().copied());
     let most = |weighed: &Weighed| weighed.best.variant.sizes().1 / weighed.best.size;
     let mut group: Vec<usize> = (0..weighed.len()).collect();
@@ -103,11 +93,10 @@ pub fn groups(judge: &Judge<'_>, weighed: &[&Weighed]) -> Vec<Vec<String>> {
 /// Distance from the null value at which a kind of effect would be expected to gain `nats`; it grows as the size's
 /// square, from a first look at the middle of its law.
 #[must_use]
-pub fn visible(judge: &Judge<'_>, filtered: &Filtered, planted: &Planted, nats: f64) -> f64 {
-    let base = &judge.library.base.numbers;
+pub fn visible(judge: &dyn Judge, nominal: &Reading, planted: &Planted, nats: f64) -> f64 {
     let gain = |size: f64| {
-        let numbers = judge.library.numbers(&[Planted { size, ..planted.clone() }]);
-        Signature::new(judge, (base, filtered), (&numbers, &judge.filtered(&numbers))).nats()
+        let numbers = judge.numbers(&[Planted { size, ..planted.clone() }]);
+        Signature::new(nominal, &judge.read(&numbers)).nats()
     };
     let (least, greatest) = planted.variant.sizes();
     let scaled = |size: f64| size * (nats / gain(size).max(1e-6)).sqrt();

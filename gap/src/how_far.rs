@@ -9,8 +9,7 @@ use rand::RngExt;
 
 use crate::blocks;
 use crate::diagnosis::{HowFar, Rms};
-use crate::filter::Filtered;
-use crate::judge::Judge;
+use crate::judge::{Judge, Reading};
 use crate::plant::Planted;
 
 /// Blocks are held out in turn.
@@ -30,19 +29,19 @@ struct Block {
 
 /// The gap in the nominal world and with `planted` in it.
 #[must_use]
-pub fn how_far(judge: &Judge<'_>, planted: &[Planted]) -> HowFar {
-    let base = &judge.library.base.numbers;
+pub fn how_far(judge: &dyn Judge, planted: &[Planted]) -> HowFar {
+    let base = &judge.numbers(&[]);
     let mut held: Vec<Block> = Vec::new();
     for fold in 0..2 {
         let of = |held: bool| move |i: usize| place(judge, i).is_some_and(|(block, _)| (block % 2 == fold) == held);
         let train = of(false);
         let refitted = refit(judge, planted, &train);
-        let named = judge.library.numbers(&refitted);
+        let named = judge.numbers(&refitted);
         let flexible = blocks::fit(judge, &named, &train);
         let better = flexible.into_iter().filter(|it| it.evidence_nats > 0.0);
         let best = better.reduce(|a, b| if b.evidence_nats > a.evidence_nats { b } else { a });
         let reference = best.map_or_else(|| named.clone(), |it| it.numbers);
-        let [before, after, reference] = [base, &named, &reference].map(|numbers| judge.filtered(numbers));
+        let [before, after, reference] = [base, &named, &reference].map(|numbers| judge.read(numbers));
         gather(judge, fold, [&before, &after, &reference], &mut held);
     }
     held.retain(|block| block.seen > 0.0);
@@ -50,15 +49,15 @@ pub fn how_far(judge: &Judge<'_>, planted: &[Planted]) -> HowFar {
 }
 
 /// Which block a scored step is in, and whether it counts.
-fn place(judge: &Judge<'_>, i: usize) -> Option<(usize, bool)> {
-    let first_s = judge.view.steps.get(judge.scored())?.t_s;
-    let since_s = judge.view.steps.get(judge.scored() + i)?.t_s - first_s;
+fn place(judge: &dyn Judge, i: usize) -> Option<(usize, bool)> {
+    let first_s = judge.steps().first()?.t_s;
+    let since_s = judge.steps().get(i)?.t_s - first_s;
     let within_s = since_s % BLOCK_S;
     Some(((since_s / BLOCK_S) as usize, (GUARD_S..BLOCK_S - GUARD_S).contains(&within_s)))
 }
 
 /// The sizes that fit the training blocks best.
-fn refit(judge: &Judge<'_>, planted: &[Planted], of: &dyn Fn(usize) -> bool) -> Vec<Planted> {
+fn refit(judge: &dyn Judge, planted: &[Planted], of: &dyn Fn(usize) -> bool) -> Vec<Planted> {
     let mut found = planted.to_vec();
     for i in 0..found.len() {
         let (least, greatest) = found[i].variant.sizes();
@@ -66,7 +65,7 @@ fn refit(judge: &Judge<'_>, planted: &[Planted], of: &dyn Fn(usize) -> bool) -> 
         let likely = |ln_size: f64| {
             let mut there = found.clone();
             there[i].size = exp(ln_size);
-            let terms = judge.filtered(&judge.library.numbers(&there)).log_likelihoods;
+            let terms = judge.read(&judge.numbers(&there)).log_likelihoods;
             -terms.iter().enumerate().filter(|(i, _)| of(*i)).fold(0.0, |sum, (_, it)| sum + it)
         };
         let ends = [around - 0.7, around + 0.7].map(|it| it.clamp(ln(least), ln(greatest)));
@@ -76,8 +75,8 @@ fn refit(judge: &Judge<'_>, planted: &[Planted], of: &dyn Fn(usize) -> bool) -> 
 }
 
 /// Adds a fold's held-out blocks: by how much the reference is more likely than each.
-fn gather(judge: &Judge<'_>, fold: usize, [before, after, reference]: [&Filtered; 3], held: &mut Vec<Block>) {
-    let steps = judge.view.steps[judge.scored()..].iter().enumerate();
+fn gather(judge: &dyn Judge, fold: usize, [before, after, reference]: [&Reading; 3], held: &mut Vec<Block>) {
+    let steps = judge.steps().iter().enumerate();
     for (i, step) in steps {
         let Some((block, counts)) = place(judge, i) else { continue };
         if block % 2 != fold || !counts {
@@ -89,11 +88,11 @@ fn gather(judge: &Judge<'_>, fold: usize, [before, after, reference]: [&Filtered
         let here = reference.log_likelihoods[i];
         held[block].before += here - before.log_likelihoods[i];
         held[block].after += here - after.log_likelihoods[i];
-        held[block].seen += step.seen.len() as f64;
+        held[block].seen += step.seen as f64;
     }
 }
 
-fn summary(judge: &Judge<'_>, planted: &[Planted], held: &[Block]) -> HowFar {
+fn summary(judge: &dyn Judge, planted: &[Planted], held: &[Block]) -> HowFar {
     let mean = |of: &[Block], what: fn(&Block) -> f64| {
         let seen: f64 = of.iter().map(|it| it.seen).sum();
         of.iter().map(what).sum::<f64>() / seen.max(1.0)
@@ -113,8 +112,8 @@ fn summary(judge: &Judge<'_>, planted: &[Planted], held: &[Block]) -> HowFar {
     let shows = resampled.get(at(0.025)).is_some_and(|(excess, _)| *excess > 0.0);
     resampled.sort_by(|a, b| a.1.total_cmp(&b.1));
     let interval = [0.025, 0.975].map(|share| resampled.get(at(share)).map_or(0.0, |it| it.1));
-    let base = judge.filtered(&judge.library.base.numbers);
-    let with = judge.filtered(&judge.library.numbers(planted));
+    let base = judge.read(&judge.numbers(&[]));
+    let with = judge.read(&judge.numbers(planted));
     let comment = if shows && !planted.is_empty() {
         "nats per sighting on held-out blocks of 10 s, against the named effect with the best flexible block on top"
     } else {
@@ -135,18 +134,17 @@ fn summary(judge: &Judge<'_>, planted: &[Planted], held: &[Block]) -> HowFar {
 
 /// Mean of `-log p(o_t | past) - h_t` over what was seen.
 #[must_use]
-pub fn misfit(filtered: &Filtered) -> f64 {
-    let off = filtered.log_likelihoods.iter().zip(&filtered.expected).map(|(it, expected)| -it - expected);
-    off.fold(0.0, |sum, it| sum + it) / filtered.innovations.len().max(1) as f64
+pub fn misfit(reading: &Reading) -> f64 {
+    let off = reading.log_likelihoods.iter().zip(&reading.expected).map(|(it, expected)| -it - expected);
+    off.fold(0.0, |sum, it| sum + it) / reading.observations.max(1) as f64
 }
 
-fn channels(judge: &Judge<'_>, base: &Filtered, with: &Filtered) -> BTreeMap<String, Rms> {
-    let size = if judge.library.base.shape.ranges { "range_m" } else { "height_px" };
-    let rms = |filtered: &Filtered, which: usize| {
-        let genuine = filtered.innovations.iter().filter(|it| it.genuine > 0.5);
-        let (sum, n) = genuine.fold((0.0, 0.0), |(sum, n), it| (sum + it.plain[which] * it.plain[which], n + 1.0));
+fn channels(judge: &dyn Judge, base: &Reading, with: &Reading) -> BTreeMap<String, Rms> {
+    let rms = |reading: &Reading, channel: usize| {
+        let genuine = reading.innovations.iter().filter(|it| it.genuine && it.channel == channel);
+        let (sum, n) = genuine.fold((0.0, 0.0), |(sum, n), it| (sum + it.plain * it.plain, n + 1.0));
         (sum / f64::max(n, 1.0)).sqrt()
     };
-    let of = |which: usize| Rms { rms_before: rms(base, which), rms_after: rms(with, which) };
-    BTreeMap::from([(size.to_owned(), of(0)), ("bearing_rad".to_owned(), of(1))])
+    let of = |channel: usize| Rms { rms_before: rms(base, channel), rms_after: rms(with, channel) };
+    judge.measured().into_iter().enumerate().map(|(channel, name)| (name.to_owned(), of(channel))).collect()
 }

@@ -1,138 +1,110 @@
-//! One log under many responses: its likelihood under each.
+//! One log under many responses: what a log of any robot offers once it is read.
 
-use asami_dataset::Log;
-use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, sin_cos};
-use nalgebra::{Matrix3, Vector3};
+use crate::directions::Direction;
+use crate::plant::{Planted, Variant};
 
-use crate::filter::{Belief, Counted, Filtered, UNCOUNTED, counted, filter};
-use crate::library::Library;
-use crate::memory::Memory;
-use crate::plant::Planted;
-use crate::shape::{Numbers, Shape, Sight};
-use crate::view::{CannotSee, View};
+/// A log that tells how likely it is, whatever was in the world. A response is a list of numbers; what they mean is the
+/// judge's own.
+pub trait Judge: Sync {
+    /// The response of the nominal world with these effects in it; one that nothing is known of changes nothing.
+    fn numbers(&self, planted: &[Planted]) -> Vec<f64>;
 
-/// Nothing is scored before the filter has settled.
-const SETTLING_S: f64 = 5.0;
-/// Starts tried around the first landmark seen.
-const STARTS: usize = 36;
-/// Each start is tried on so many sightings.
-const TRIED: usize = 60;
+    /// Whether it is known what a kind of effect changes.
+    fn knows(&self, variant: &Variant) -> bool;
 
-/// A log, and where its robot started.
-pub struct Judge<'a> {
-    /// The nominal response and the effects'.
-    pub library: &'a Library,
-    /// The log.
-    pub view: View,
-    start: Belief,
-    /// The first step with a sighting.
-    begin: usize,
-    /// Steps after `begin` before anything is scored.
-    settling: usize,
-    /// Whose being seen or missed counts; the same under every response, so that they can be compared.
-    counted: Counted,
-}
+    /// What the log says under a response.
+    fn read(&self, numbers: &[f64]) -> Reading;
 
-impl<'a> Judge<'a> {
-    /// Looks at a log.
-    ///
-    /// # Errors
-    /// [`CannotSee`] says what the log lacks.
-    pub fn new(log: &Log, library: &'a Library) -> Result<Self, CannotSee> {
-        let view = View::new(log, &library.base.shape.columns)?;
-        let begin = view.steps.iter().position(|step| !step.seen.is_empty()).unwrap_or(0);
-        let scored_s = view.steps[begin].t_s + SETTLING_S;
-        let settling = view.steps[begin..].iter().take_while(|step| step.t_s < scored_s).count();
-        let start = start(&library.base.shape, &library.base.numbers, &view, begin);
-        let counted = counted(&library.base.shape, &library.base.numbers, &view, begin, &mut start.clone());
-        Ok(Self { library, view, start, begin, settling, counted })
-    }
+    /// The steps that are scored, in order of time.
+    fn steps(&self) -> &[Moment];
 
-    /// The log filtered under a response; steps count from [`Judge::scored`] on.
-    #[must_use]
-    pub fn filtered(&self, numbers: &[f64]) -> Filtered {
-        let mut belief = self.start;
-        let shape = &self.library.base.shape;
-        let of = self.begin..self.view.steps.len();
-        let memory = self.library.base.memory;
-        let mut all = filter(shape, numbers, memory, &self.view, of, &mut belief, &self.counted);
-        let scored = self.scored();
-        let settling = self.settling.min(all.log_likelihoods.len());
-        all.log_likelihoods.drain(..settling);
-        all.expected.drain(..settling);
-        all.innovations.retain(|it| it.step >= scored);
-        all
-    }
+    /// From the log's first observation to its last.
+    fn length_s(&self) -> f64;
 
-    /// The first step that is scored.
-    #[must_use]
-    pub fn scored(&self) -> usize {
-        self.begin + self.settling
-    }
+    /// The channels of [`Innovation`]s.
+    fn measured(&self) -> Vec<&'static str>;
+
+    /// Ways in which a response may change if the cause is of a flexible block.
+    fn directions(&self, numbers: &[f64], block: &str) -> Vec<Direction>;
+
+    /// Which of the response's numbers are whose.
+    fn channels(&self) -> Vec<Channel>;
+
+    /// Circumstances in which a gap may show.
+    fn regimes(&self) -> Vec<Regime>;
 
     /// `log p(o)` of the log in the nominal world with these effects.
+    fn log_likelihood(&self, planted: &[Planted]) -> f64 {
+        self.read(&self.numbers(planted)).total()
+    }
+}
+
+/// A step of a log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Its time.
+    pub t_s: f64,
+    /// Observations in it.
+    pub seen: usize,
+}
+
+/// What a log says under a response.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// `log p(o_t | past)` by scored step.
+    pub log_likelihoods: Vec<f64>,
+    /// What the response itself expects of `-log p(o_t | past)`, by scored step (misfit's `h_t`).
+    pub expected: Vec<f64>,
+    /// Of all that was measured, the same things in the same order under every response.
+    pub innovations: Vec<Innovation>,
+    /// Shares of what was counted.
+    pub shares: Vec<Share>,
+    /// How many observations there are.
+    pub observations: usize,
+}
+
+/// What one measured number said.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Innovation {
+    /// Which of [`Judge::measured`].
+    pub channel: usize,
+    /// The number less its prediction, in the channel's unit.
+    pub plain: f64,
+    /// Whitened: of variance 1 and independent of the others.
+    pub white: f64,
+    /// Logarithm of the scale by which it was whitened.
+    pub ln_scale: f64,
+    /// Whether it is taken to be of what it says.
+    pub genuine: bool,
+}
+
+/// How often something is said to happen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// Logarithm of its odds.
+    pub log_odds: f64,
+    /// How often it could have happened in this log.
+    pub trials: f64,
+}
+
+/// A channel, and which of a response's numbers are its own: means and noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// One of the names that every report uses: `forward`, `height_px`, ...
+    pub name: &'static str,
+    /// Numbers that move predictions.
+    pub means: Vec<usize>,
+    /// Numbers of noise and shares.
+    pub noise: Vec<usize>,
+}
+
+/// A regime: a name and whether each scored step is in it.
+pub type Regime = (&'static str, Vec<bool>);
+
+impl Reading {
+    /// The log-likelihood of all steps.
     #[must_use]
-    pub fn log_likelihood(&self, planted: &[Planted]) -> f64 {
-        self.filtered(&self.library.numbers(planted)).total(0)
+    pub fn total(&self) -> f64 {
+        self.log_likelihoods.iter().fold(0.0, |sum, it| sum + it)
     }
-}
-
-/// The best of several places around the first landmark seen; before a single landmark they are all the same.
-fn start(shape: &Shape, numbers: &[f64], view: &View, begin: usize) -> Belief {
-    let step = &view.steps[begin];
-    let Some(seen) = step.seen.clone().next().map(|i| view.seen[i]) else { return ring(0.0, [0.0; 2], 1.0, 0.0, true) };
-    let distance_m = distance(shape, &numbers[shape.range(Numbers::Size)], seen.size);
-    let at = view.landmarks[seen.landmark];
-    if view.landmarks.len() == 1 {
-        return ring(0.0, at, distance_m, seen.bearing_rad, true);
-    }
-    let mut last = begin;
-    while last < view.steps.len() && view.steps[last].seen.end < step.seen.start + TRIED {
-        last += 1;
-    }
-    let turn = |i: usize| std::f64::consts::TAU * i as f64 / STARTS as f64;
-    let starts = (0..STARTS).map(|i| ring(turn(i), at, distance_m, seen.bearing_rad, false));
-    let likely = |start: &Belief| {
-        filter(shape, numbers, Memory::default(), view, begin..last, &mut start.clone(), UNCOUNTED).total(0)
-    };
-    let scored = starts.map(|start| (likely(&start), start));
-    let best = scored.reduce(|a, b| if b.0 > a.0 { b } else { a });
-    best.map_or_else(|| ring(0.0, at, distance_m, seen.bearing_rad, false), |(_, start)| start)
-}
-
-/// The pose from which a landmark in direction `towards_rad` of the world stands at a distance and a bearing.
-fn ring(towards_rad: f64, [x_m, y_m]: [f64; 2], distance_m: f64, bearing_rad: f64, only: bool) -> Belief {
-    let (sin, cos) = sin_cos(towards_rad);
-    let mean = Vector3::new(x_m + distance_m * sin, y_m - distance_m * cos, wrap_rad(towards_rad - bearing_rad));
-    // Across the line of sight a pose before a single landmark is a matter of naming.
-    let (along, across) = (0.09, if only { 1e-8 } else { 0.09 });
-    let ray = Vector3::new(-sin, cos, 0.0);
-    let side = Vector3::new(cos, sin, 0.0);
-    let heading = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, 0.09));
-    Belief { mean, covariance: along * ray * ray.transpose() + across * side * side.transpose() + heading }
-}
-
-/// The distance at which the size's curve comes nearest to a size.
-fn distance(shape: &Shape, numbers: &[f64], size: f64) -> f64 {
-    let [near_m, far_m] = shape.near_far_m;
-    let (mut columns, mut slopes) = (vec![0.0; numbers.len()], [0.0; 4]);
-    let mut off = |distance_m: f64| {
-        let sight = Sight {
-            distance_m,
-            bearing_rad: 0.0,
-            off_rad: 0.0,
-            pan_rad_per_s: 0.0,
-            theta_rad: atan2(0.0, 1.0),
-            landmark: 0,
-            attempt: [0.0; 3],
-        };
-        shape.size_columns(&sight, &mut columns, &mut slopes);
-        let curve = shape.curve_width();
-        let expected = columns[..curve].iter().zip(numbers).fold(0.0, |sum, (a, b)| sum + a * b);
-        (expected - size).abs()
-    };
-    let places = (0..=200).map(|i| near_m * 0.7 + (far_m * 1.3 - near_m * 0.7) * f64::from(i) / 200.0);
-    let scored = places.map(|distance_m| (off(distance_m), distance_m));
-    scored.reduce(|a, b| if b.0 < a.0 { b } else { a }).map_or(near_m, |(_, distance_m)| distance_m)
 }

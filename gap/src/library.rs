@@ -1,7 +1,7 @@
 //! The response library: how the nominal world answers commands and looks at landmarks, and how each
 //! effect changes that, by its size.
 
-use asami_dataset::{Dataset, Seed};
+use asami_dataset::{Dataset, Log, Seed};
 use asami_math::elementary::{exp, ln};
 use asami_sim::effect::{Block, Place};
 use asami_sim::world;
@@ -14,6 +14,8 @@ use crate::memory::Memory;
 use crate::nominal::{CannotPlay, Nominal};
 use crate::plant::{Planted, Variant};
 use crate::shape::{Numbers, ORDER, Shape};
+use crate::sighted::Sighted;
+use crate::view::CannotSee;
 
 /// How much is played for a library.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -123,7 +125,7 @@ impl Base {
     /// The memory of the nominal innovations.
     fn remembered(&self, runs: &[Dataset]) -> Memory {
         let alone = Library { base: self.clone(), entries: Vec::new() };
-        let judges: Vec<Judge<'_>> = runs.iter().filter_map(|run| Judge::new(&run.log, &alone).ok()).collect();
+        let judges: Vec<Sighted<'_>> = runs.iter().filter_map(|run| Sighted::new(&run.log, &alone).ok()).collect();
         let filtered: Vec<_> = judges.iter().map(|judge| judge.filtered(&self.numbers).innovations).collect();
         Memory::learn(judges.iter().zip(&filtered).map(|(judge, of)| (&judge.view, of.as_slice())))
     }
@@ -217,6 +219,14 @@ impl Library {
         let learn = |variant: &Variant| Entry::learn(nominal, &base, variant, budget);
         let entries: Result<Vec<Entry>, CannotPlay> = variants.par_iter().map(learn).collect();
         Ok(Self { entries: entries?, base })
+    }
+
+    /// A log under its responses.
+    ///
+    /// # Errors
+    /// [`CannotSee`] says what the log lacks.
+    pub fn judge<'a>(&'a self, log: &Log) -> Result<Box<dyn Judge + 'a>, CannotSee> {
+        Ok(Box::new(Sighted::new(log, self)?))
     }
 
     /// The entry of a kind of effect.

@@ -3,10 +3,8 @@
 
 use asami_math::elementary::erfc;
 
-use crate::columns::Group;
 use crate::diagnosis::{Cell, Kind};
-use crate::judge::Judge;
-use crate::shape::{Numbers, SPEEDS, Shape, speed_class};
+use crate::judge::{Judge, Regime};
 
 /// Blocks over which gains are taken to be independent.
 const BLOCK_S: f64 = 10.0;
@@ -16,51 +14,10 @@ const LEAST_SHARE: f64 = 0.05;
 /// Nor are cells whose gain may as well be chance.
 const LEAST_SURE: f64 = 0.05;
 
-/// A channel, and which of a response's numbers are its own: means and noise.
-struct Channel {
-    name: &'static str,
-    means: Vec<usize>,
-    noise: Vec<usize>,
-}
-
-fn channels(shape: &Shape) -> Vec<Channel> {
-    let columns = &shape.columns;
-    let noise = shape.range(Numbers::MotionNoise).start;
-    let motion = |axis: usize, groups: &[Group]| -> Vec<usize> {
-        let at = axis * columns.len();
-        groups.iter().flat_map(|group| columns.range(*group)).map(|i| at + i).collect()
-    };
-    let own = [Group::Curve, Group::Heading, Group::Held, Group::Wear];
-    let axis = |name, axis| Channel {
-        name,
-        means: motion(axis, &own),
-        noise: (0..SPEEDS).map(|class| noise + 3 * class + axis).collect(),
-    };
-    let all = |group: Numbers| shape.range(group).collect::<Vec<_>>();
-    let lingering = (0..3).flat_map(|axis| motion(axis, &[Group::Lingering])).collect();
-    vec![
-        axis("forward", 1),
-        axis("sideways", 0),
-        axis("turn", 2),
-        Channel { name: "timing", means: lingering, noise: Vec::new() },
-        Channel {
-            name: if shape.ranges { "range_m" } else { "height_px" },
-            means: all(Numbers::Size),
-            noise: all(Numbers::SizeNoise),
-        },
-        Channel { name: "bearing_rad", means: all(Numbers::Bearing), noise: all(Numbers::BearingNoise) },
-        Channel {
-            name: "detection",
-            means: Vec::new(),
-            noise: [all(Numbers::False), all(Numbers::Detection)].concat(),
-        },
-    ]
-}
-
 /// Where the response `better` explains more of the log than `base`: the largest share first.
 #[must_use]
-pub fn places(judge: &Judge<'_>, base: &[f64], better: &[f64]) -> Vec<Cell> {
-    let channels = channels(&judge.library.base.shape);
+pub fn places(judge: &dyn Judge, base: &[f64], better: &[f64]) -> Vec<Cell> {
+    let channels = judge.channels();
     let mixed = |of: &dyn Fn(usize) -> (bool, bool)| {
         let mut numbers = base.to_vec();
         for (c, channel) in channels.iter().enumerate() {
@@ -71,7 +28,7 @@ pub fn places(judge: &Judge<'_>, base: &[f64], better: &[f64]) -> Vec<Cell> {
         }
         numbers
     };
-    let total = |numbers: &[f64]| judge.filtered(numbers).total(0);
+    let total = |numbers: &[f64]| judge.read(numbers).total();
     let n = channels.len();
     let gains: Vec<f64> = (0..1_usize << n)
         .map(|set| total(&mixed(&|c| (set >> c & 1 == 1, set >> c & 1 == 1))))
@@ -81,7 +38,7 @@ pub fn places(judge: &Judge<'_>, base: &[f64], better: &[f64]) -> Vec<Cell> {
     if all.is_nan() || all <= 0.0 {
         return Vec::new();
     }
-    let plain = judge.filtered(base).log_likelihoods;
+    let plain = judge.read(base).log_likelihoods;
     let mut cells: Vec<Cell> = Vec::new();
     for (c, channel) in channels.iter().enumerate() {
         let share = shapley(&gains, n, c) / all;
@@ -91,7 +48,7 @@ pub fn places(judge: &Judge<'_>, base: &[f64], better: &[f64]) -> Vec<Cell> {
         let of_means = total(&mixed(&|it| (it == c, false)));
         let of_noise = total(&mixed(&|it| (false, it == c)));
         let kind = if of_noise > of_means { Kind::Spread } else { Kind::Bias };
-        let alone = judge.filtered(&mixed(&|it| (it == c, it == c))).log_likelihoods;
+        let alone = judge.read(&mixed(&|it| (it == c, it == c))).log_likelihoods;
         let gained: Vec<f64> = alone.iter().zip(&plain).map(|(with, without)| with - without).collect();
         cells.push(cell(judge, channel.name, kind, share, &gained));
     }
@@ -111,43 +68,10 @@ fn shapley(gains: &[f64], n: usize, player: usize) -> f64 {
     })
 }
 
-/// A regime: a name and the steps that it has.
-type Regime = (&'static str, Vec<bool>);
-
-fn regimes(judge: &Judge<'_>) -> Vec<Regime> {
-    let steps = &judge.view.steps[judge.scored()..];
-    let speed = |class: usize| steps.iter().map(|step| speed_class(step.attempt) == class).collect::<Vec<_>>();
-    let sign = |axis: usize, sign: f64| steps.iter().map(|step| step.attempt[axis] * sign > 1e-6).collect::<Vec<_>>();
-    let mut since_s = 1e9;
-    let mut last = [f64::NAN; 3];
-    let changed: Vec<f64> = steps
-        .iter()
-        .map(|step| {
-            let same = (0..3).all(|axis| (step.attempt[axis] - last[axis]).abs() < 1e-9);
-            since_s = if same { since_s + step.dt_s } else { 0.0 };
-            last = step.attempt;
-            since_s
-        })
-        .collect();
-    let half = steps.len() / 2;
-    vec![
-        ("standing", speed(0)),
-        ("slow commands", speed(1)),
-        ("fast commands", speed(2)),
-        ("forward commands", sign(1, 1.0)),
-        ("backward commands", sign(1, -1.0)),
-        ("turning left", sign(2, 1.0)),
-        ("turning right", sign(2, -1.0)),
-        ("the first 0.5 s after a command", changed.iter().map(|since_s| *since_s < 0.5).collect()),
-        ("the first half of the log", (0..steps.len()).map(|i| i < half).collect()),
-        ("the second half of the log", (0..steps.len()).map(|i| i >= half).collect()),
-    ]
-}
-
 /// The regime in which a channel's gain is most concentrated, with its share's interval.
-fn cell(judge: &Judge<'_>, channel: &'static str, kind: Kind, share: f64, gained: &[f64]) -> Cell {
+fn cell(judge: &dyn Judge, channel: &'static str, kind: Kind, share: f64, gained: &[f64]) -> Cell {
     let blocks = |of: &dyn Fn(usize) -> bool| -> Vec<f64> {
-        let steps = &judge.view.steps[judge.scored()..];
+        let steps = judge.steps();
         let first_s = steps.first().map_or(0.0, |step| step.t_s);
         let mut sums: Vec<f64> = Vec::new();
         for (i, (step, gained)) in steps.iter().zip(gained).enumerate() {
@@ -172,7 +96,7 @@ fn cell(judge: &Judge<'_>, channel: &'static str, kind: Kind, share: f64, gained
         let squares: f64 = above.iter().map(|it| it * it).sum();
         sum / squares.max(1e-12).sqrt()
     };
-    let regimes = regimes(judge);
+    let regimes = judge.regimes();
     let best = regimes.iter().map(|regime| (excess(regime), regime)).reduce(|a, b| if b.0 > a.0 { b } else { a });
     // The greatest of ten is beyond 3 by chance about once in 75 logs.
     let (regime, sums) = match best.filter(|(excess, _)| *excess > 3.0) {

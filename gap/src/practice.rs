@@ -61,16 +61,16 @@ pub fn practise(
 ) -> Result<Vec<Case>, CannotPlay> {
     let planted = draw(nominal.robot(), &[], &mut seed.stream("practice"));
     let run = play(nominal, &planted, seed, until_s)?;
-    let Ok(judge) = Judge::new(&run.log, library) else { return Ok(Vec::new()) };
-    let findings = Findings::new(&judge, variants);
-    let planted = shown(&judge, planted);
+    let Ok(judge) = library.judge(&run.log) else { return Ok(Vec::new()) };
+    let findings = Findings::new(&*judge, variants);
+    let planted = shown(&*judge, planted);
     let truth = cause(&planted);
     let absorbed_nats = (findings.leader == truth && !planted.is_empty()).then(|| absorbed_nats(&findings.blocks));
     let evidence = findings.evidence();
     let mut cases = Vec::with_capacity(2);
     if let [only] = planted.as_slice() {
         let name = only.variant.about.name;
-        let rest = findings.without(&judge, &[name]).evidence();
+        let rest = findings.without(&*judge, &[name]).evidence();
         if !has_alias(evidence.get(name).copied().unwrap_or(0.0), &rest) {
             let truth = format!("{UNKNOWN}/{}", only.variant.block().name());
             cases.push(Case { truth, evidence: rest, absorbed_nats: None });
@@ -81,7 +81,7 @@ pub fn practise(
 }
 
 /// Of two effects the one alone, where the log does not show the other beside it: nobody can be asked to name it.
-fn shown(judge: &Judge<'_>, planted: Vec<Planted>) -> Vec<Planted> {
+fn shown(judge: &dyn Judge, planted: Vec<Planted>) -> Vec<Planted> {
     let [a, b] = planted.as_slice() else { return planted };
     let both = judge.log_likelihood(&planted);
     let alone = [a, b].map(|it| judge.log_likelihood(std::slice::from_ref(it)));

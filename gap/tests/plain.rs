@@ -6,7 +6,7 @@ use asami_dataset::{Channel, Log, Seed};
 use asami_gap::evidence::{CLOSE, weigh};
 use asami_gap::how_far::misfit;
 use asami_gap::library::{Budget, play};
-use asami_gap::{Calibration, Diagnoser, Judge, Library, Planted, Variant};
+use asami_gap::{Calibration, Diagnoser, Library, Planted, Variant};
 
 mod world;
 
@@ -40,13 +40,14 @@ fn log(planted: &[Planted], seed: u64) -> Log {
 fn nominal_logs_fit_the_nominal_world() {
     for seed in 0..6 {
         let log = log(&[], seed);
-        let judge = Judge::new(&log, library()).unwrap();
-        let filtered = judge.filtered(&library().base.numbers);
-        let n = filtered.innovations.len() as f64;
+        let judge = library().judge(&log).unwrap();
+        let reading = judge.read(&judge.numbers(&[]));
+        let n = reading.observations as f64;
         assert!(n > 500.0);
-        let off = misfit(&filtered) * n.sqrt();
+        let off = misfit(&reading) * n.sqrt();
         assert!(off.abs() < 4.0, "seed {seed}: {off} standard errors");
-        let squares = |k: usize| filtered.innovations.iter().map(|it| it.white[k] * it.white[k]).sum::<f64>();
+        let of = |k: usize| reading.innovations.iter().filter(move |it| it.channel == k);
+        let squares = |k: usize| of(k).map(|it| it.white * it.white).sum::<f64>();
         for k in 0..2 {
             assert!((squares(k) - n).abs() < 4.5 * (2.0 * n).sqrt(), "seed {seed}: {} of {n}", squares(k));
         }
@@ -57,8 +58,8 @@ fn nominal_logs_fit_the_nominal_world() {
 fn no_effect_is_evident_in_nominal_logs() {
     for seed in 0..6 {
         let log = log(&[], seed);
-        let judge = Judge::new(&log, library()).unwrap();
-        for weighed in weigh(&judge, &variants(), &[], CLOSE) {
+        let judge = library().judge(&log).unwrap();
+        for weighed in weigh(&*judge, &variants(), &[], CLOSE) {
             // Where an effect is absent, evidence of e^9 has probability e^-9 at most (Markov): of the 24 looked at, one
             // reaches it in 340 such tests.
             assert!(weighed.evidence_nats < 9.0, "seed {seed}: {weighed:?}");
@@ -76,8 +77,8 @@ fn a_planted_effect_is_the_most_evident_and_its_size_lies_in_the_interval_or_nea
     ];
     for (name, sign, size) in cases {
         let log = log(&[planted(name, sign, size)], 50);
-        let judge = Judge::new(&log, library()).unwrap();
-        let best = weigh(&judge, &variants(), &[], CLOSE)
+        let judge = library().judge(&log).unwrap();
+        let best = weigh(&*judge, &variants(), &[], CLOSE)
             .into_iter()
             .reduce(|a, b| if b.evidence_nats > a.evidence_nats { b } else { a })
             .unwrap();

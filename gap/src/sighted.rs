@@ -1,0 +1,199 @@
+//! A log of landmarks under many responses: its likelihood under each, by the filter over the robot's pose.
+
+use asami_dataset::Log;
+use asami_math::angle::wrap_rad;
+use asami_math::elementary::{atan2, sin_cos};
+use nalgebra::{Matrix3, Vector3};
+
+use crate::directions::{Direction, directions};
+use crate::filter::{Belief, Counted, Filtered, UNCOUNTED, counted, filter};
+use crate::judge::{Channel, Innovation, Judge, Moment, Reading, Regime, Share};
+use crate::library::Library;
+use crate::memory::Memory;
+use crate::plant::{Planted, Variant};
+use crate::regimes::{channels, regimes};
+use crate::shape::{Numbers, Shape, Sight};
+use crate::view::{CannotSee, View};
+
+/// Nothing is scored before the filter has settled.
+const SETTLING_S: f64 = 5.0;
+/// Starts tried around the first landmark seen.
+const STARTS: usize = 36;
+/// Each start is tried on so many sightings.
+const TRIED: usize = 60;
+
+/// A log, and where its robot started.
+pub struct Sighted<'a> {
+    /// The nominal response and the effects'.
+    pub library: &'a Library,
+    /// The log.
+    pub view: View,
+    start: Belief,
+    /// The first step with a sighting.
+    begin: usize,
+    /// Steps after `begin` before anything is scored.
+    settling: usize,
+    /// Whose being seen or missed counts; the same under every response, so that they can be compared.
+    counted: Counted,
+    moments: Vec<Moment>,
+}
+
+impl<'a> Sighted<'a> {
+    /// Looks at a log.
+    ///
+    /// # Errors
+    /// [`CannotSee`] says what the log lacks.
+    pub fn new(log: &Log, library: &'a Library) -> Result<Self, CannotSee> {
+        let view = View::new(log, &library.base.shape.columns)?;
+        let begin = view.steps.iter().position(|step| !step.seen.is_empty()).unwrap_or(0);
+        let scored_s = view.steps[begin].t_s + SETTLING_S;
+        let settling = view.steps[begin..].iter().take_while(|step| step.t_s < scored_s).count();
+        let start = start(&library.base.shape, &library.base.numbers, &view, begin);
+        let counted = counted(&library.base.shape, &library.base.numbers, &view, begin, &mut start.clone());
+        let scored = view.steps.get(begin + settling..).unwrap_or_default();
+        let moments = scored.iter().map(|step| Moment { t_s: step.t_s, seen: step.seen.len() }).collect();
+        Ok(Self { library, view, start, begin, settling, counted, moments })
+    }
+
+    /// The log filtered under a response; steps count from [`Sighted::scored`] on.
+    #[must_use]
+    pub fn filtered(&self, numbers: &[f64]) -> Filtered {
+        let mut belief = self.start;
+        let shape = &self.library.base.shape;
+        let of = self.begin..self.view.steps.len();
+        let memory = self.library.base.memory;
+        let mut all = filter(shape, numbers, memory, &self.view, of, &mut belief, &self.counted);
+        let scored = self.scored();
+        let settling = self.settling.min(all.log_likelihoods.len());
+        all.log_likelihoods.drain(..settling);
+        all.expected.drain(..settling);
+        all.innovations.retain(|it| it.step >= scored);
+        all
+    }
+
+    /// The first step that is scored.
+    #[must_use]
+    pub fn scored(&self) -> usize {
+        self.begin + self.settling
+    }
+}
+
+impl Judge for Sighted<'_> {
+    fn numbers(&self, planted: &[Planted]) -> Vec<f64> {
+        self.library.numbers(planted)
+    }
+
+    fn knows(&self, variant: &Variant) -> bool {
+        self.library.entry(variant).is_some()
+    }
+
+    fn read(&self, numbers: &[f64]) -> Reading {
+        let filtered = self.filtered(numbers);
+        let shape = &self.library.base.shape;
+        let observations = filtered.innovations.len();
+        let innovations = filtered.innovations.iter().flat_map(|it| {
+            let of = |channel: usize| Innovation {
+                channel,
+                plain: it.plain[channel],
+                white: it.white[channel],
+                ln_scale: it.ln_scale[channel],
+                genuine: it.genuine > 0.5,
+            };
+            [of(0), of(1)]
+        });
+        let of_false = Share { log_odds: numbers[shape.range(Numbers::False).start], trials: observations as f64 };
+        let bins = shape.range(Numbers::Detection).zip(&filtered.visits);
+        let of_seen = bins.map(|(bin, visits)| Share { log_odds: numbers[bin], trials: *visits });
+        Reading {
+            innovations: innovations.collect(),
+            shares: std::iter::once(of_false).chain(of_seen).collect(),
+            observations,
+            log_likelihoods: filtered.log_likelihoods,
+            expected: filtered.expected,
+        }
+    }
+
+    fn steps(&self) -> &[Moment] {
+        &self.moments
+    }
+
+    fn length_s(&self) -> f64 {
+        let steps = &self.view.steps;
+        steps.last().zip(steps.first()).map_or(0.0, |(last, first)| last.t_s - first.t_s)
+    }
+
+    fn measured(&self) -> Vec<&'static str> {
+        vec![if self.library.base.shape.ranges { "range_m" } else { "height_px" }, "bearing_rad"]
+    }
+
+    fn directions(&self, numbers: &[f64], block: &str) -> Vec<Direction> {
+        directions(&self.library.base.shape, numbers, block)
+    }
+
+    fn channels(&self) -> Vec<Channel> {
+        channels(&self.library.base.shape)
+    }
+
+    fn regimes(&self) -> Vec<Regime> {
+        regimes(&self.view.steps[self.scored()..])
+    }
+}
+
+/// The best of several places around the first landmark seen; before a single landmark they are all the same.
+fn start(shape: &Shape, numbers: &[f64], view: &View, begin: usize) -> Belief {
+    let step = &view.steps[begin];
+    let Some(seen) = step.seen.clone().next().map(|i| view.seen[i]) else { return ring(0.0, [0.0; 2], 1.0, 0.0, true) };
+    let distance_m = distance(shape, &numbers[shape.range(Numbers::Size)], seen.size);
+    let at = view.landmarks[seen.landmark];
+    if view.landmarks.len() == 1 {
+        return ring(0.0, at, distance_m, seen.bearing_rad, true);
+    }
+    let mut last = begin;
+    while last < view.steps.len() && view.steps[last].seen.end < step.seen.start + TRIED {
+        last += 1;
+    }
+    let turn = |i: usize| std::f64::consts::TAU * i as f64 / STARTS as f64;
+    let starts = (0..STARTS).map(|i| ring(turn(i), at, distance_m, seen.bearing_rad, false));
+    let likely = |start: &Belief| {
+        filter(shape, numbers, Memory::default(), view, begin..last, &mut start.clone(), UNCOUNTED).total(0)
+    };
+    let scored = starts.map(|start| (likely(&start), start));
+    let best = scored.reduce(|a, b| if b.0 > a.0 { b } else { a });
+    best.map_or_else(|| ring(0.0, at, distance_m, seen.bearing_rad, false), |(_, start)| start)
+}
+
+/// The pose from which a landmark in direction `towards_rad` of the world stands at a distance and a bearing.
+fn ring(towards_rad: f64, [x_m, y_m]: [f64; 2], distance_m: f64, bearing_rad: f64, only: bool) -> Belief {
+    let (sin, cos) = sin_cos(towards_rad);
+    let mean = Vector3::new(x_m + distance_m * sin, y_m - distance_m * cos, wrap_rad(towards_rad - bearing_rad));
+    // Across the line of sight a pose before a single landmark is a matter of naming.
+    let (along, across) = (0.09, if only { 1e-8 } else { 0.09 });
+    let ray = Vector3::new(-sin, cos, 0.0);
+    let side = Vector3::new(cos, sin, 0.0);
+    let heading = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, 0.09));
+    Belief { mean, covariance: along * ray * ray.transpose() + across * side * side.transpose() + heading }
+}
+
+/// The distance at which the size's curve comes nearest to a size.
+fn distance(shape: &Shape, numbers: &[f64], size: f64) -> f64 {
+    let [near_m, far_m] = shape.near_far_m;
+    let (mut columns, mut slopes) = (vec![0.0; numbers.len()], [0.0; 4]);
+    let mut off = |distance_m: f64| {
+        let sight = Sight {
+            distance_m,
+            bearing_rad: 0.0,
+            off_rad: 0.0,
+            pan_rad_per_s: 0.0,
+            theta_rad: atan2(0.0, 1.0),
+            landmark: 0,
+            attempt: [0.0; 3],
+        };
+        shape.size_columns(&sight, &mut columns, &mut slopes);
+        let curve = shape.curve_width();
+        let expected = columns[..curve].iter().zip(numbers).fold(0.0, |sum, (a, b)| sum + a * b);
+        (expected - size).abs()
+    };
+    let places = (0..=200).map(|i| near_m * 0.7 + (far_m * 1.3 - near_m * 0.7) * f64::from(i) / 200.0);
+    let scored = places.map(|distance_m| (off(distance_m), distance_m));
+    scored.reduce(|a, b| if b.0 < a.0 { b } else { a }).map_or(near_m, |(_, distance_m)| distance_m)
+}
