@@ -11,7 +11,6 @@ pub mod import;
 pub mod learn;
 pub mod list;
 pub mod report;
-pub mod ride;
 pub mod scenario;
 pub mod score;
 pub mod scorer;

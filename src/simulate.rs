@@ -3,6 +3,7 @@
 use asami_dataset::{Dataset, Provenance, Seed, TruePose};
 use asami_sim::drives::explore::Explore;
 use asami_sim::drives::pace::Pace;
+use asami_sim::ride::{CannotRide, Ride};
 use asami_sim::robots::aibo::{self, AiboWorld, Start};
 use asami_sim::robots::car;
 use asami_sim::robots::plain::PlainWorld;
@@ -10,7 +11,6 @@ use asami_sim::scenes::field::Field;
 use asami_sim::world::{self, Drive, World};
 use rand::RngExt;
 
-use crate::ride::{CannotScan, Ride};
 use crate::scenario::{Policy, Robot, Scenario, Simulation};
 
 /// Why a scenario's world cannot be made or looked at.
@@ -22,9 +22,9 @@ pub enum CannotSimulate {
     /// The car cannot be built.
     #[error(transparent)]
     Car(#[from] car::BuildError),
-    /// Its laser scanner sees nothing.
+    /// There is no drive of it.
     #[error(transparent)]
-    Scan(#[from] CannotScan),
+    Ride(#[from] CannotRide),
 }
 
 impl Simulation {
@@ -92,7 +92,7 @@ impl Simulation {
     /// If the robot cannot be built.
     pub fn dataset(&self, seed: Seed) -> Result<Dataset, CannotSimulate> {
         if let Policy::Route(ride) = &self.drive {
-            return ride.dataset(&self.effects, self.duration_s, seed);
+            return Ok(ride.dataset(&self.effects, self.duration_s, seed)?);
         }
         Ok(world::run(&mut *self.world(seed)?, &mut *self.policy(seed), self.duration_s))
     }

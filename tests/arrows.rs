@@ -4,13 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Who may see whom; a crate that is missing here has no place in the house yet.
-const PLAN: [(&str, &[&str]); 7] = [
+const PLAN: [(&str, &[&str]); 8] = [
     ("asami-math", &[]),
     ("asami-dataset", &["asami-math"]),
     ("asami-raycast", &["asami-math"]),
     ("asami-sim", &["asami-dataset", "asami-math", "asami-raycast"]),
-    ("asami-learners", &["asami-dataset", "asami-math"]),
-    ("asami-gap", &["asami-dataset", "asami-math", "asami-sim"]),
+    ("asami-scans", &["asami-dataset", "asami-math"]),
+    ("asami-learners", &["asami-dataset", "asami-math", "asami-scans"]),
+    ("asami-gap", &["asami-dataset", "asami-math", "asami-scans", "asami-sim"]),
     ("asami", &["asami-dataset", "asami-gap", "asami-learners", "asami-math", "asami-sim"]),
 ];
 

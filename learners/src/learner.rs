@@ -2,6 +2,7 @@
 
 use asami_dataset::parameters::Parameter;
 use asami_dataset::{Log, Models, Rng};
+use asami_scans::CannotScan;
 
 /// What the declaration of a learner says of it; written by the `learner!` macro.
 pub trait Declared: Send + Sync {
@@ -217,20 +218,22 @@ pub enum CannotLearn {
     /// No laser was ever fired.
     #[error("the log has no laser firings, and no odometry in their place")]
     NoFirings,
-    /// Laser firings that contradict each other.
-    #[error("the log's laser firings do not fit together: {0}")]
-    Firings(#[from] asami_dataset::firings::Misfit),
-    /// The lasers' vertical angles are not known.
-    #[error("the log knows the vertical angles of {known} lasers; {found} fired")]
-    UnknownLasers {
-        /// Lasers that fired.
-        found: usize,
-        /// Vertical angles known.
-        known: usize,
-    },
+    /// Laser firings that say nothing.
+    #[error(transparent)]
+    Scans(CannotScan),
     /// The data leave the models undetermined.
     #[error("the log does not determine the models: {0}")]
     Undetermined(String),
+}
+
+impl From<CannotScan> for CannotLearn {
+    fn from(error: CannotScan) -> Self {
+        match error {
+            CannotScan::NoFirings => Self::NoFirings,
+            CannotScan::Undetermined(why) => Self::Undetermined(why),
+            other => Self::Scans(other),
+        }
+    }
 }
 
 /// Declares a learner's parameters and its row in the catalogue.

@@ -5,6 +5,7 @@ pub mod drives;
 pub mod effect;
 pub mod effects;
 pub mod knobs;
+pub mod ride;
 pub mod robots;
 pub mod scenes;
 pub mod sensors;

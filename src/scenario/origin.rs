@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::binning::Binning;
 use crate::depths::Depths;
-use crate::ride::Ride;
+use asami_sim::ride::Ride;
 
 /// Where a scenario's logs come from.
 #[derive(Clone, Debug, PartialEq, Serialize)]

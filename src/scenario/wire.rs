@@ -23,7 +23,7 @@ use toml::de::DeTable;
 
 use crate::binning::Binning;
 use crate::depths::Depths;
-use crate::ride::Angles;
+use asami_sim::ride::Angles;
 
 use super::{Divergence, Era, Expect, Placement, Robot, Start, Starting, Study};
 

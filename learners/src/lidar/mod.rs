@@ -3,18 +3,8 @@
 //! [`Car`] is Algorithm 3; its fields are the questions that the method answers one way and may answer another.
 
 mod action;
-mod angles;
-mod cloud;
-mod drive;
-mod forward;
 mod free_run;
-mod matching;
-mod odometry;
-mod offsets;
-mod pairs;
 mod registered;
-mod sensor;
-mod signal;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -22,19 +12,14 @@ use asami_dataset::{Action, Log, Models, SensorModel};
 use asami_math::angle::wrap_rad;
 use asami_math::rigid::{Rigid, rotate};
 
+pub use asami_scans::{
+    Angles, Cut, Direction, Distance, Drive, Layout, Match, Matching, Motion, Odometry, Offsets, PairLag, Scan, Sensor,
+    Shaping, Signal, Slope, Target, align, angle_median, chain, cloud, from_slopes, graph, pair_lags, pairs, slopes,
+};
+
 pub use action::{Coefficients, Stretch, pedals, regress, roll_out};
-pub use angles::{Angles, chain, graph};
-pub use cloud::{Cut, cloud};
-pub use drive::{Drive, Scan};
-pub use forward::{Direction, angle_median};
 pub use free_run::{FreeRun, Run, free_run};
-pub use matching::{Distance, Match, Matching, Target, align};
-pub use odometry::{Motion, Odometry};
-pub use offsets::{Offsets, Slope, from_slopes, slopes};
-pub use pairs::{PairLag, pair_lags, pairs};
 pub use registered::Registered;
-pub use sensor::{Layout, Sensor};
-pub use signal::{Shaping, Signal};
 
 use crate::learner::{CannotLearn, Lack, Learned, Trace};
 

@@ -10,7 +10,7 @@ use asami_sim::survey::Surveying;
 use super::super::wire::{self, Wire};
 use super::super::{Origin, Part, Policy, Recording, Robot, Simulation, Study, Window};
 use super::{DURATION, fault, number};
-use crate::ride::Ride;
+use asami_sim::ride::Ride;
 
 const SEEDS: Parameter = number("seeds", "1", (1.0, 10_000.0));
 const FIRST_SEED: Parameter = number("first_seed", "1", (0.0, 9e15));

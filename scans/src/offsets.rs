@@ -6,10 +6,10 @@
 use asami_dataset::firings::RANGE_STEP_M;
 use asami_math::correlation::ABSENT;
 
-use super::drive::Drive;
-use super::pairs::{pair_lags, pairs};
-use super::sensor::Sensor;
-use super::signal::Shaping;
+use crate::drive::Drive;
+use crate::pairs::{pair_lags, pairs};
+use crate::sensor::Sensor;
+use crate::signal::Shaping;
 
 /// What is taken for known of the offsets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,9 +2,9 @@
 
 use asami_math::rigid::{Rigid, rotate};
 
-use super::cloud::{Cut, cloud};
-use super::drive::{Drive, Scan};
-use super::matching::{Match, Matching, Target, align};
+use crate::cloud::{Cut, cloud};
+use crate::drive::{Drive, Scan};
+use crate::matching::{Match, Matching, Target, align};
 
 /// A motion from the beginning of one scan to that of the next, in the frame of the lasers' relative angles.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use asami_math::regression::Regression;
 
-use super::pairs::PairLag;
+use crate::pairs::PairLag;
 
 /// Angles whose mean is 0, with their standard errors.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 
 use asami_math::correlation::ABSENT;
 
-use super::angles::{Angles, chain, graph};
-use super::drive::Drive;
-use super::offsets::{Offsets, from_slopes, slopes};
-use super::pairs::{PairLag, pair_lags, pairs};
-use super::signal::{Shaping, Signal};
-use crate::learner::CannotLearn;
+use crate::CannotScan;
+use crate::angles::{Angles, chain, graph};
+use crate::drive::Drive;
+use crate::offsets::{Offsets, from_slopes, slopes};
+use crate::pairs::{PairLag, pair_lags, pairs};
+use crate::signal::{Shaping, Signal};
 
 /// How the relative angles are learned.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,8 +91,8 @@ impl Sensor {
     /// The angles, their mean 0.
     ///
     /// # Errors
-    /// [`CannotLearn::Undetermined`] where the pairs' lags do not hold all lasers together.
-    pub fn learn(&self, drive: &Drive<'_>) -> Result<Angles, CannotLearn> {
+    /// [`CannotScan::Undetermined`] where the pairs' lags do not hold all lasers together.
+    pub fn learn(&self, drive: &Drive<'_>) -> Result<Angles, CannotScan> {
         let angles = self.solve(drive, &self.signals(drive, &self.shaping, &[]))?;
         if self.offsets == Offsets::None {
             return Ok(angles);
@@ -106,19 +106,19 @@ impl Sensor {
     ///
     /// # Errors
     /// As [`Sensor::learn`].
-    pub fn with_offsets(&self, drive: &Drive<'_>, offsets_m: &[f64]) -> Result<Angles, CannotLearn> {
+    pub fn with_offsets(&self, drive: &Drive<'_>, offsets_m: &[f64]) -> Result<Angles, CannotScan> {
         self.solve(drive, &self.signals(drive, &self.shaping, offsets_m))
     }
 
     /// The signal of each laser; lateral offsets are 0 where none are given.
-    pub(super) fn signals(&self, drive: &Drive<'_>, shaping: &Shaping, offsets_m: &[f64]) -> Vec<Vec<i16>> {
+    pub(crate) fn signals(&self, drive: &Drive<'_>, shaping: &Shaping, offsets_m: &[f64]) -> Vec<Vec<i16>> {
         let offset_m = |laser: usize| offsets_m.get(laser).copied().unwrap_or(0.0);
         let signal = |laser: usize| self.sampled(drive, &shaping.of(drive, laser, offset_m(laser)), ABSENT);
         (0..drive.lasers()).map(signal).collect()
     }
 
     /// The turns of a column that are used, one after another, lags' lengths of `absent` between them.
-    pub(super) fn sampled<T: Copy>(&self, drive: &Drive<'_>, column: &[T], absent: T) -> Vec<T> {
+    pub(crate) fn sampled<T: Copy>(&self, drive: &Drive<'_>, column: &[T], absent: T) -> Vec<T> {
         let (turn, turns) = (drive.firings_in(TAU).max(1), self.most_turns);
         if turns == 0 || turns * turn >= column.len() {
             return column.to_vec();
@@ -133,7 +133,7 @@ impl Sensor {
         used
     }
 
-    pub(super) fn solve(&self, drive: &Drive<'_>, signals: &[Vec<i16>]) -> Result<Angles, CannotLearn> {
+    pub(crate) fn solve(&self, drive: &Drive<'_>, signals: &[Vec<i16>]) -> Result<Angles, CannotScan> {
         let reach = match self.layout {
             Layout::Chain => 1,
             Layout::Graph { reach, .. } => reach,
@@ -152,7 +152,7 @@ impl Sensor {
                 Ok(chain(&lags.iter().map(|lag| lag.as_ref().map(angle)).collect::<Vec<_>>(), drive.step_rad))
             }
             Layout::Graph { scale_rad, .. } => graph(drive.lasers(), &lags, scale_rad).ok_or_else(|| {
-                CannotLearn::Undetermined("the lasers' ranges do not vary together enough to hold their angles".into())
+                CannotScan::Undetermined("the lasers' ranges do not vary together enough to hold their angles".into())
             }),
         }
     }

@@ -2,7 +2,7 @@
 
 use asami_math::correlation::{Correlogram, Peak, correlograms, lags_to};
 
-use super::drive::Drive;
+use crate::drive::Drive;
 
 /// Two lasers and how they correlate.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use asami_dataset::firings::{ENCODER_STEP_RAD, ENCODER_STEPS, RANGE_STEP_M};
 use asami_dataset::{Firings, Log};
 use asami_math::elementary::sin_cos;
 
-use crate::learner::CannotLearn;
+use crate::CannotScan;
 
 /// Firings that fit together, and the elevations of their lasers.
 #[derive(Clone, Debug)]
@@ -31,19 +31,19 @@ pub struct Scan {
 }
 
 impl<'a> TryFrom<&'a Log> for Drive<'a> {
-    type Error = CannotLearn;
+    type Error = CannotScan;
 
-    fn try_from(log: &'a Log) -> Result<Self, CannotLearn> {
-        let firings = log.firings.as_deref().filter(|firings| !firings.is_empty()).ok_or(CannotLearn::NoFirings)?;
+    fn try_from(log: &'a Log) -> Result<Self, CannotScan> {
+        let firings = log.firings.as_deref().filter(|firings| !firings.is_empty()).ok_or(CannotScan::NoFirings)?;
         firings.check()?;
         let known = log.known.velodyne.as_ref().map_or(&[][..], |unit| &unit.vertical_angles_rad);
         if known.len() != firings.lasers() || known.iter().any(|angle| !angle.is_finite()) {
-            return Err(CannotLearn::UnknownLasers { found: firings.lasers(), known: known.len() });
+            return Err(CannotScan::UnknownLasers { found: firings.lasers(), known: known.len() });
         }
         let turned_cdeg = turned(&firings.encoder_cdeg);
         let step_rad = step_cdeg(&turned_cdeg) * ENCODER_STEP_RAD;
         if step_rad <= 0.0 {
-            return Err(CannotLearn::TooShort { found: firings.len(), needed: usize::from(ENCODER_STEPS) / 46 });
+            return Err(CannotScan::TooShort { found: firings.len(), needed: usize::from(ENCODER_STEPS) / 46 });
         }
         let elevation = known.iter().map(|angle| sin_cos(*angle)).collect();
         Ok(Self { firings, elevation, step_rad, turned_cdeg })

@@ -2,7 +2,7 @@
 
 use asami_math::rigid::Rigid;
 
-use super::drive::{Drive, Scan};
+use crate::drive::{Drive, Scan};
 
 /// No return of a 16-bit range in units of 2 mm comes from farther.
 const REACH_M: f64 = 140.0;

@@ -4,7 +4,7 @@ use asami_dataset::firings::RANGE_STEP_M;
 use asami_math::correlation::ABSENT;
 use asami_math::elementary::ln;
 
-use super::drive::Drive;
+use crate::drive::Drive;
 
 /// Fixed-point units of a logarithm or a scaled inverse range.
 const UNITS: f64 = 16_384.0;

@@ -2,19 +2,17 @@
 
 use std::sync::Arc;
 
+use crate::drives::driver::{Driver, Driving, Feel};
+use crate::effects::Effects;
+use crate::robots::car::{BuildError, CarConfig, CarWorld};
+use crate::scenes::town::{Town, TownConfig};
+use crate::sensors::applanix::Applanix;
+use crate::sensors::velodyne::{Scenery, TrackError, Unit, Velodyne, VelodyneConfig};
+use crate::world;
 use asami_dataset::log::Velodyne as KnownVelodyne;
 use asami_dataset::parameters::{Fault, Parameters};
 use asami_dataset::{Dataset, Seed, Survey};
-use asami_sim::drives::driver::{Driver, Driving, Feel};
-use asami_sim::effects::Effects;
-use asami_sim::robots::car::{BuildError, CarConfig, CarWorld};
-use asami_sim::scenes::town::{Town, TownConfig};
-use asami_sim::sensors::applanix::Applanix;
-use asami_sim::sensors::velodyne::{Scenery, TrackError, Unit, Velodyne, VelodyneConfig};
-use asami_sim::world;
 use serde::{Deserialize, Serialize};
-
-use crate::simulate::CannotSimulate;
 
 /// Of the scanner over the road, the car standing.
 const SENSOR_HEIGHT_M: f64 = 2.0;
@@ -28,6 +26,17 @@ pub enum CannotScan {
     /// The drive says too little of where the scanner was.
     #[error("the drive cannot be scanned: {0}")]
     Track(#[from] TrackError),
+}
+
+/// Why there is no drive.
+#[derive(Debug, thiserror::Error)]
+pub enum CannotRide {
+    /// The car cannot be built.
+    #[error(transparent)]
+    Car(#[from] BuildError),
+    /// Its laser scanner sees nothing.
+    #[error(transparent)]
+    Scan(#[from] CannotScan),
 }
 
 /// Where the lasers of a scanner point.
@@ -121,7 +130,7 @@ impl Ride {
     ///
     /// # Errors
     /// If the car cannot be built, or its scanner sees nothing.
-    pub fn dataset(&self, effects: &Effects, until_s: f64, seed: Seed) -> Result<Dataset, CannotSimulate> {
+    pub fn dataset(&self, effects: &Effects, until_s: f64, seed: Seed) -> Result<Dataset, CannotRide> {
         let town = self.town(seed);
         let mut car = self.on(&town, effects, seed)?;
         let mut driver = self.driver(&town, seed);
