@@ -78,7 +78,7 @@ struct Ready<'a> {
     variances: Vec<f64>,
     size_vars: Vec<f64>,
     bearing_vars: Vec<f64>,
-    false_share: f64,
+    ln_false: f64,
     ln_genuine: f64,
     detection: Vec<[f64; 2]>,
     size_columns: Vec<f64>,
@@ -156,7 +156,7 @@ impl<'a> Ready<'a> {
             variances: part(Numbers::MotionNoise).iter().map(|it| exp(*it)).collect(),
             size_vars: squares(Numbers::SizeNoise),
             bearing_vars: squares(Numbers::BearingNoise),
-            false_share,
+            ln_false: ln(false_share),
             ln_genuine: ln(1.0 - false_share),
             detection: part(Numbers::Detection).iter().map(both).collect(),
             size_columns: vec![0.0; shape.width(Numbers::Size)],
@@ -262,7 +262,8 @@ impl<'a> Ready<'a> {
         let ln_scale = [ln(l[(0, 0)]) + scales[0], ln(l[(1, 1)]) + scales[1]];
         let squares = white[0] * white[0] + white[1] * white[1];
         let density = self.ln_genuine - 0.5 * squares - ln(TAU) - ln_scale[0] - ln_scale[1];
-        let elsewhere = ln(self.false_share / (self.shape.size_span * TAU));
+        let off_rad = wrap_rad(bearing_rad - view.steps[i].pan_rad);
+        let elsewhere = self.ln_false + self.shape.ln_elsewhere(size, off_rad);
         let greater = density.max(elsewhere);
         let log_likelihood = greater + ln(exp(density - greater) + exp(elsewhere - greater));
         let genuine = exp(density - log_likelihood);

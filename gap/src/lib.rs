@@ -29,6 +29,7 @@ pub mod practice;
 pub mod regimes;
 pub mod rivals;
 pub mod shape;
+pub mod shrink;
 pub mod sighted;
 pub mod view;
 

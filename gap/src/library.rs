@@ -8,7 +8,7 @@ use asami_sim::world;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::fit::{Free, fit, shape};
+use crate::fit::{Free, changed, nominal as fitted, shape};
 use crate::judge::Judge;
 use crate::memory::Memory;
 use crate::nominal::{CannotPlay, Nominal};
@@ -116,7 +116,7 @@ impl Base {
             seeds.into_par_iter().map(|i| play(nominal, &[], Seed(FIRST_SEED + i), budget.run_s)).collect();
         let runs = runs?;
         let shape = shape(&runs).ok_or(CannotLearn::Blind)?;
-        let numbers = fit(&shape, &runs, &vec![0.0; shape.len()], Free { wear: false });
+        let numbers = fitted(&shape, &runs);
         let mut base = Self { shape, numbers, memory: Memory::default() };
         base.memory = base.remembered(&runs);
         Ok(base)
@@ -142,14 +142,16 @@ impl Entry {
         let share = |i: usize| i as f64 / (n - 1) as f64;
         let sizes: Vec<f64> = (0..n).map(|i| least * exp(share(i) * ln(greatest / least))).collect();
         let free = Free { wear: variant.block() == Block::Drift };
-        let mut changes = Vec::with_capacity(n);
+        let mut runs: Vec<(f64, Vec<Dataset>)> = Vec::with_capacity(n);
         for size in &sizes {
             let planted = [Planted { variant: variant.clone(), size: *size }];
-            let runs: Result<Vec<Dataset>, CannotPlay> =
+            let of_size: Result<Vec<Dataset>, CannotPlay> =
                 (0..budget.runs).map(|i| play(nominal, &planted, Seed(FIRST_SEED + i), budget.run_s)).collect();
-            let numbers = fit(&base.shape, &runs?, &base.numbers, free);
-            changes.push(numbers.iter().zip(&base.numbers).map(|(with, without)| with - without).collect());
+            runs.push((size / greatest, of_size?));
         }
+        let responses = changed(&base.shape, &base.numbers, &runs, free, smooth(variant));
+        let change = |with: Vec<f64>| with.iter().zip(&base.numbers).map(|(with, without)| with - without).collect();
+        let changes = responses.into_iter().map(change).collect();
         Ok(Self { kind: variant.name(), sizes, changes, smooth: smooth(variant) })
     }
 

@@ -1,6 +1,8 @@
 //! What the numbers of a response mean: which of them is what, and what each is multiplied with.
 
-use asami_math::elementary::{cos, sin, sin_cos};
+use std::f64::consts::TAU;
+
+use asami_math::elementary::{cos, ln, sin, sin_cos};
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{Attempt, Columns};
@@ -15,6 +17,9 @@ pub const BANDS: usize = 3;
 const FAR_BINS: usize = 4;
 /// Bins of the angle off the image's centre, the same.
 const OFF_BINS: usize = 8;
+
+/// Share of sightings of something else that are not even in view, or of a size that nothing has.
+const ANYTHING: f64 = 0.05;
 
 /// The bins reach so much further than where nearly all are seen, so that what lies just outside is counted too.
 const OFF_REACH: f64 = 1.3;
@@ -32,8 +37,8 @@ pub struct Shape {
     pub near_far_m: [f64; 2],
     /// Nearly all are seen within this angle of the image's centre.
     pub off_rad: f64,
-    /// From least to greatest size.
-    pub size_span: f64,
+    /// Least and greatest size.
+    pub sizes: [f64; 2],
 }
 
 /// A landmark from where the robot stands.
@@ -164,6 +169,20 @@ impl Shape {
         }
     }
 
+    /// Which of the size's columns an effect is likely to change together: the curve by its terms, for each term in the
+    /// places of landmarks all.
+    #[must_use]
+    pub fn size_groups(&self) -> Vec<usize> {
+        let single = self.curve_width() + 3;
+        (0..single).chain(std::iter::repeat_n(single, self.moved_width())).collect()
+    }
+
+    /// The same of the bearing's columns.
+    #[must_use]
+    pub fn bearing_groups(&self) -> Vec<usize> {
+        (0..6).chain(std::iter::repeat_n(6, self.moved_width())).collect()
+    }
+
     /// Fills the bearing's columns.
     pub fn bearing_columns(&self, sight: &Sight, columns: &mut [f64]) {
         columns.fill(0.0);
@@ -183,6 +202,23 @@ impl Shape {
             columns[at] = cos(towards) / d;
             columns[at + 1] = sin(towards) / d;
         }
+    }
+
+    /// Logarithm of the density of sightings of something else, which may be anywhere in view, as far away as anything;
+    /// now and then it is anything at all.
+    #[must_use]
+    pub fn ln_elsewhere(&self, size: f64, off_rad: f64) -> f64 {
+        let [least, greatest] = [self.sizes[0] * 0.8, self.sizes[1] * 1.25];
+        let anything = 0.5 / ((greatest - least).max(1e-9) * TAU);
+        let within = (least..=greatest).contains(&size) && off_rad.abs() <= OFF_REACH * self.off_rad;
+        // Places spread evenly over distances have heights that crowd at the small end.
+        let by_size = if self.ranges {
+            1.0 / (greatest - least).max(1e-9)
+        } else {
+            1.0 / ((1.0 / least - 1.0 / greatest).max(1e-9) * size * size)
+        };
+        let in_view = if within { by_size / (2.0 * OFF_REACH * self.off_rad).max(1e-9) } else { 0.0 };
+        ln((1.0 - ANYTHING) * in_view + ANYTHING * anything)
     }
 
     /// Which band of distance.

@@ -101,6 +101,23 @@ pub fn cholesky_solve(l: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     x
 }
 
+/// The diagonal of the inverse of `L L^T`.
+#[must_use]
+pub fn cholesky_inverse_diagonal(l: &[Vec<f64>]) -> Vec<f64> {
+    let n = l.len();
+    let mut diagonal = vec![0.0; n];
+    let mut column = vec![0.0; n];
+    for j in 0..n {
+        // Column j of the inverse of L begins at row j.
+        for i in j..n {
+            let known = dot(&l[i][j..i], &column[j..i]);
+            column[i] = (if i == j { 1.0 } else { 0.0 } - known) / l[i][i];
+        }
+        diagonal[j] = dot(&column[j..], &column[j..]);
+    }
+    diagonal
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -121,6 +138,18 @@ mod tests {
                     let sum: f64 = (0..4).map(|k| ours.left[k][i] * ours.values[k] * ours.right[k][j]).sum();
                     prop_assert!((sum - entry).abs() < 1e-10);
                 }
+            }
+        }
+
+        #[test]
+        fn the_inverse_has_this_diagonal(entries in proptest::collection::vec(-1.0..1.0f64, 25)) {
+            let m = DMatrix::from_row_slice(5, 5, &entries);
+            let a = &m * m.transpose() + DMatrix::identity(5, 5);
+            let rows: Vec<Vec<f64>> = a.row_iter().map(|row| row.iter().copied().collect()).collect();
+            let theirs = a.try_inverse().unwrap();
+            let ours = cholesky_inverse_diagonal(&cholesky(&rows).unwrap());
+            for (i, it) in ours.iter().enumerate() {
+                prop_assert!((it - theirs[(i, i)]).abs() < 1e-10, "{it} {}", theirs[(i, i)]);
             }
         }
 
