@@ -8,6 +8,7 @@
 use std::collections::BTreeSet;
 
 use asami_dataset::{Action, Command};
+use asami_math::elementary::hypot;
 use serde::{Deserialize, Serialize};
 
 /// Ages of commands between which what lingers of them is averaged, in seconds.
@@ -27,6 +28,8 @@ pub struct Columns {
     ids: Vec<u16>,
     /// Greatest attempted velocities; 0 where one is never attempted.
     greatest: Attempt,
+    /// Nominal velocity of each of the curve's columns, in shares of the axis's greatest; none as long as it is not known.
+    nominal: Vec<[f64; 3]>,
     /// Whether a heading shows: there is more than one landmark.
     pub heading: bool,
 }
@@ -38,11 +41,11 @@ pub enum Group {
     Curve,
     /// What lingers of earlier commands.
     Lingering,
-    /// Cosine and sine of the heading while moving.
+    /// Cosine and sine of the heading while moving, and the same times the speed over the ground.
     Heading,
     /// Last bearing of the only landmark, while moving.
     Held,
-    /// Growing with time in the log.
+    /// Growing with time in the log: velocities, velocities times speed, moving at all.
     Wear,
 }
 
@@ -64,7 +67,19 @@ impl Columns {
             }
         }
         let ids = if any { Vec::new() } else { ids.into_iter().collect() };
-        Self { ids, greatest, heading: landmarks > 1 }
+        Self { ids, greatest, nominal: Vec::new(), heading: landmarks > 1 }
+    }
+
+    /// The same with the nominal velocities known, of which `numbers` hold a curve for each axis: what lingers, and what
+    /// wears, is a velocity, not the attempt at one.
+    #[must_use]
+    pub fn knowing(&self, numbers: &[f64]) -> Self {
+        let of = |axis: usize| &numbers[axis * self.len()..][self.range(Group::Curve)];
+        let greatest: [f64; 3] =
+            std::array::from_fn(|axis| of(axis).iter().fold(0.0, |most, it| f64::max(most, it.abs())));
+        let share = |i: usize, axis: usize| if greatest[axis] > 0.0 { of(axis)[i] / greatest[axis] } else { 0.0 };
+        let nominal = (0..self.width(Group::Curve)).map(|i| std::array::from_fn(|axis| share(i, axis))).collect();
+        Self { nominal, ..self.clone() }
     }
 
     /// How many columns each group has.
@@ -75,9 +90,9 @@ impl Columns {
             Group::Curve if self.ids.is_empty() => varying * KNOTS + varying * varying.saturating_sub(1) / 2,
             Group::Curve => self.ids.len(),
             Group::Lingering => 3 * (AGES_S.len() - 1),
-            Group::Heading => 2,
+            Group::Heading => 4,
             Group::Held => 1,
-            Group::Wear => 4,
+            Group::Wear => 7,
         }
     }
 
@@ -123,41 +138,59 @@ impl Columns {
         row: &mut [f64],
     ) -> Attempt {
         row.fill(0.0);
-        let curve = self.range(Group::Curve);
         let (mut now, mut moving) = ([0.0; 3], 0.0);
         each(commands, from_s, to_s, |share, action| {
-            let (id, attempt) = attempt(action);
-            let u = self.normalised(attempt);
-            for (now, u) in now.iter_mut().zip(u) {
+            let attempt = attempt(action).1;
+            for (now, u) in now.iter_mut().zip(self.normalised(attempt)) {
                 *now += share * u;
             }
             if attempt != [0.0; 3] {
                 moving += share;
             }
-            self.curve(id, u, share, &mut row[curve.clone()]);
         });
+        let mut scratch = vec![0.0; self.width(Group::Curve)];
+        let velocity = self.velocity(commands, from_s, to_s, &mut scratch);
+        row[self.range(Group::Curve)].copy_from_slice(&scratch);
         let middle_s = 0.5 * (from_s + to_s);
         let lingering = &mut row[self.range(Group::Lingering)];
         for (ages_s, columns) in AGES_S.windows(2).zip(lingering.chunks_exact_mut(3)) {
-            let mut then = [0.0; 3];
-            each(commands, middle_s - ages_s[1], middle_s - ages_s[0], |share, action| {
-                for (then, u) in then.iter_mut().zip(self.normalised(attempt(action).1)) {
-                    *then += share * u;
-                }
-            });
-            for ((column, then), now) in columns.iter_mut().zip(then).zip(now) {
+            let then = self.velocity(commands, middle_s - ages_s[1], middle_s - ages_s[0], &mut scratch);
+            for ((column, then), now) in columns.iter_mut().zip(then).zip(velocity) {
                 *column = then - now;
             }
         }
-        row[self.range(Group::Heading).start] = moving;
+        let heading = self.range(Group::Heading).start;
+        row[heading] = moving;
+        row[heading + 2] = hypot(velocity[0], velocity[1]);
         if let Some(held_rad) = held_rad.filter(|_| !self.heading) {
             row[self.range(Group::Held).start] = moving * held_rad.clamp(-0.4, 0.4);
         }
+        let speed = now.iter().fold(0.0, |sum, u| sum + u * u).sqrt();
         let wear = &mut row[self.range(Group::Wear)];
-        for (column, value) in wear.iter_mut().zip([now[0], now[1], now[2], moving]) {
+        let worn = velocity.into_iter().chain(velocity.map(|it| speed * it)).chain([moving]);
+        for (column, value) in wear.iter_mut().zip(worn) {
             *column = value * middle_s / WEAR_S;
         }
         now
+    }
+
+    /// The mean nominal velocity between two times, in shares of the greatest, and the curve's columns.
+    fn velocity(&self, commands: &[Command], from_s: f64, to_s: f64, curve: &mut [f64]) -> [f64; 3] {
+        curve.fill(0.0);
+        let mut attempted = [0.0; 3];
+        each(commands, from_s, to_s, |share, action| {
+            let (id, attempt) = attempt(action);
+            let u = self.normalised(attempt);
+            for (attempted, u) in attempted.iter_mut().zip(u) {
+                *attempted += share * u;
+            }
+            self.curve(id, u, share, curve);
+        });
+        if self.nominal.is_empty() {
+            return attempted;
+        }
+        let of = |axis: usize| curve.iter().zip(&self.nominal).fold(0.0, |sum, (column, v)| sum + column * v[axis]);
+        std::array::from_fn(of)
     }
 
     fn normalised(&self, attempt: Attempt) -> Attempt {

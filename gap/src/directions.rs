@@ -69,7 +69,7 @@ impl Making<'_> {
             let bends: Vec<_> = of.map(|i| (i, bend(i))).collect();
             self.push(bends);
             if self.shape.columns.heading {
-                for i in self.motion(axis, Group::Heading) {
+                for i in self.motion(axis, Group::Heading).skip(2) {
                     self.push([(i, 0.05 * greatest)]);
                 }
             }
@@ -95,7 +95,8 @@ impl Making<'_> {
         for axis in 0..3 {
             let start = self.motion(axis, Group::Wear).start;
             self.push([(start + axis, 0.15 * self.greatest(axis))]);
-            self.push([(start + 3, 0.05 * self.greatest(axis))]);
+            self.push([(start + 3 + axis, 0.15 * self.greatest(axis))]);
+            self.push([(start + 6, 0.05 * self.greatest(axis))]);
         }
     }
 

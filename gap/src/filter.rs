@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{exp, ln, sin_cos};
-use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, RowVector3, Vector2, Vector3};
 
 use crate::columns::Group;
 use crate::memory::{Memory, Recall};
@@ -80,7 +80,7 @@ struct Ready<'a> {
     bearing_vars: Vec<f64>,
     ln_false: f64,
     ln_genuine: f64,
-    detection: Vec<[f64; 2]>,
+    seen: Vec<f64>,
     size_columns: Vec<f64>,
     bearing_columns: Vec<f64>,
     recall: Recall,
@@ -146,7 +146,6 @@ impl<'a> Ready<'a> {
         let part = |group| &numbers[shape.range(group)];
         let logistic = |x: f64| 1.0 / (1.0 + exp(-x));
         let squares = |group| part(group).iter().map(|it| exp(2.0 * it)).collect::<Vec<_>>();
-        let both = |logit: &f64| [-ln(1.0 + exp(*logit)), -ln(1.0 + exp(-*logit))];
         let false_share = logistic(part(Numbers::False)[0]);
         Self {
             shape,
@@ -158,7 +157,7 @@ impl<'a> Ready<'a> {
             bearing_vars: squares(Numbers::BearingNoise),
             ln_false: ln(false_share),
             ln_genuine: ln(1.0 - false_share),
-            detection: part(Numbers::Detection).iter().map(both).collect(),
+            seen: part(Numbers::Detection).iter().map(|it| logistic(*it)).collect(),
             size_columns: vec![0.0; shape.width(Numbers::Size)],
             bearing_columns: vec![0.0; shape.width(Numbers::Bearing)],
             recall: Recall::new(memory, view.landmarks.len()),
@@ -175,8 +174,10 @@ impl<'a> Ready<'a> {
         std::array::from_fn(|axis| {
             let numbers = &self.numbers[axis * width..(axis + 1) * width];
             let plain = row.iter().zip(numbers).fold(0.0, |sum, (column, number)| sum + column * number);
-            // The row holds how much the robot moves where the cosine's column is; the sine's is empty.
-            let turned = row[heading] * (numbers[heading] * (cos - 1.0) + numbers[heading + 1] * sin);
+            // The row holds how much, and how fast, the robot moves where the cosines' columns are; the sines' are empty.
+            let turned = [heading, heading + 2]
+                .into_iter()
+                .fold(0.0, |sum, i| sum + row[i] * (numbers[i] * (cos - 1.0) + numbers[i + 1] * sin));
             dt_s * (plain + turned)
         })
     }
@@ -197,31 +198,57 @@ impl<'a> Ready<'a> {
     }
 
     /// The logarithm of the probability of what was seen and what was missed, and what is expected of minus it.
-    fn detection(&self, view: &View, i: usize, belief: &Belief, counted: &[bool], visits: &mut [f64]) -> (f64, f64) {
+    fn detection(
+        &mut self,
+        view: &View,
+        i: usize,
+        belief: &Belief,
+        counted: &[bool],
+        visits: &mut [f64],
+    ) -> (f64, f64) {
         let seen = &view.seen[view.steps[i].seen.clone()];
         let (mut log_likelihood, mut expected) = (0.0, 0.0);
         for (landmark, _) in counted.iter().enumerate().filter(|(_, counts)| **counts) {
-            let sight = view.sight(i, landmark, belief.mean.into());
-            let Some(bin) = self.shape.bin(sight.distance_m, sight.off_rad) else { continue };
-            let [missed, found] = self.detection[bin];
+            let share = self.share_seen(view, i, landmark, belief, visits).clamp(1e-6, 1.0 - 1e-6);
+            let [missed, found] = [ln(1.0 - share), ln(share)];
             log_likelihood += if seen.iter().any(|it| it.landmark == landmark) { found } else { missed };
-            expected -= exp(missed) * missed + exp(found) * found;
-            visits[bin] += 1.0;
+            expected -= (1.0 - share) * missed + share * found;
         }
         (log_likelihood, expected)
+    }
+
+    /// How likely a landmark is to be seen, wherever in the belief the robot is (three points of Gauss and Hermite over
+    /// the angle).
+    fn share_seen(&mut self, view: &View, i: usize, landmark: usize, belief: &Belief, visits: &mut [f64]) -> f64 {
+        let sight = view.sight(i, landmark, belief.mean.into());
+        let off_rad = self.shape.off_read(&sight, &self.numbers[self.bearing.clone()], &mut self.bearing_columns);
+        let [_, off_sd] = self.uncertain(view, landmark, sight.distance_m, belief);
+        let mut share = 0.0;
+        for (step, weight) in [(0.0, 2.0 / 3.0), (3.0_f64.sqrt(), 1.0 / 6.0), (-(3.0_f64.sqrt()), 1.0 / 6.0)] {
+            for (bin, part) in self.shape.bins(sight.distance_m, off_rad + step * off_sd) {
+                share += weight * part * self.seen[bin];
+                visits[bin] += weight * part;
+            }
+        }
+        share
+    }
+
+    /// Standard deviations of a landmark's distance and bearing.
+    fn uncertain(&self, view: &View, landmark: usize, distance_m: f64, belief: &Belief) -> [f64; 2] {
+        let d = distance_m.max(0.05);
+        let [x_m, y_m] = view.landmarks[landmark];
+        let (ux, uy) = ((x_m - belief.mean.x) / d, (y_m - belief.mean.y) / d);
+        let sd = |h: Vector3<f64>| (h.transpose() * belief.covariance * h).x.max(0.0).sqrt();
+        [sd(Vector3::new(ux, uy, 0.0)), sd(Vector3::new(uy / d, -ux / d, -1.0))]
     }
 
     /// Whether a landmark is as likely to be seen two standard deviations of the pose to either side.
     fn is_clear(&self, view: &View, i: usize, landmark: usize, belief: &Belief) -> bool {
         let sight = view.sight(i, landmark, belief.mean.into());
-        let d = sight.distance_m.max(0.05);
-        let [x_m, y_m] = view.landmarks[landmark];
-        let (ux, uy) = ((x_m - belief.mean.x) / d, (y_m - belief.mean.y) / d);
-        let sd = |h: Vector3<f64>| (h.transpose() * belief.covariance * h).x.max(0.0).sqrt();
-        let (far, off) = (2.0 * sd(Vector3::new(ux, uy, 0.0)), 2.0 * sd(Vector3::new(uy / d, -ux / d, -1.0)));
+        let [far, off] = self.uncertain(view, landmark, sight.distance_m, belief).map(|sd| 2.0 * sd);
         let share = |far_m: f64, off_rad: f64| {
             let bin = self.shape.bin(sight.distance_m + far_m, sight.off_rad + off_rad);
-            bin.map(|bin| exp(self.detection[bin][1]))
+            bin.map(|bin| self.seen[bin])
         };
         let Some(here) = share(0.0, 0.0) else { return false };
         [(far, 0.0), (-far, 0.0), (0.0, off), (0.0, -off)]
@@ -247,7 +274,10 @@ impl<'a> Ready<'a> {
         let d = sight.distance_m.max(0.05);
         let [x_m, y_m] = view.landmarks[landmark];
         let (ux, uy) = ((x_m - belief.mean.x) / d, (y_m - belief.mean.y) / d);
-        let h = Matrix2x3::new(-slope * ux, -slope * uy, 0.0, uy / d, -ux / d, -1.0);
+        // Derivatives of the distance, and of the bearing.
+        let (far, off) = (RowVector3::new(-ux, -uy, 0.0), RowVector3::new(uy / d, -ux / d, -1.0));
+        let [size_by_off, bearing_by_off] = self.shape.off_slopes(&sight, for_size, for_bearing);
+        let h = Matrix2x3::from_rows(&[slope * far + size_by_off * off, (1.0 + bearing_by_off) * off]);
         let band = self.shape.band(sight.distance_m);
         let r = Matrix2::from_diagonal(&Vector2::new(self.size_vars[band], self.bearing_vars[band]));
         let s = h * belief.covariance * h.transpose() + r;
@@ -270,13 +300,18 @@ impl<'a> Ready<'a> {
         into.push(Innovation { step: i, seen, plain: plain.into(), white, ln_scale, genuine });
         if genuine > 0.5 {
             self.recall.take(landmark, i, now);
-            let gain = belief.covariance * h.transpose() * cholesky.inverse();
-            belief.mean += gain * plain;
-            belief.mean.z = wrap_rad(belief.mean.z);
-            let kept = Matrix3::identity() - gain * h;
-            // Joseph's form keeps the covariance symmetric and positive.
-            belief.covariance = kept * belief.covariance * kept.transpose() + gain * r * gain.transpose();
         }
+        // A sighting of something else leaves the pose as it is, and nobody knows for sure which it was (probabilistic data
+        // association, Bar-Shalom and Tse 1975).
+        let gain = belief.covariance * h.transpose() * cholesky.inverse();
+        let step = gain * plain;
+        belief.mean += genuine * step;
+        belief.mean.z = wrap_rad(belief.mean.z);
+        let kept = Matrix3::identity() - gain * h;
+        // Joseph's form keeps the covariance symmetric and positive.
+        let updated = kept * belief.covariance * kept.transpose() + gain * r * gain.transpose();
+        let apart = (genuine * (1.0 - genuine)) * step * step.transpose();
+        belief.covariance = genuine * updated + (1.0 - genuine) * belief.covariance + apart;
         log_likelihood
     }
 }

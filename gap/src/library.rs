@@ -42,7 +42,11 @@ impl Budget {
     /// what a log of 150 s shows.
     #[must_use]
     pub fn of(robot: &str) -> Self {
-        if robot == "plain" { Self { nominal_runs: 64, runs: 16, ..Self::default() } } else { Self::default() }
+        if robot == "plain" {
+            Self { nominal_runs: 64, runs: 16, sizes: 6, ..Self::default() }
+        } else {
+            Self::default()
+        }
     }
 }
 
@@ -78,8 +82,19 @@ pub struct Entry {
     pub sizes: Vec<f64>,
     /// Changes of the nominal numbers at these sizes.
     changes: Vec<Vec<f64>>,
-    /// Whether a change grows as a parabola in the size; from size to size in straight lines else.
-    smooth: bool,
+    /// How changes run from size to size.
+    run: Run,
+}
+
+/// How changes of means run over sizes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Run {
+    /// All on one polynomial of third degree through 0.
+    Polynomial,
+    /// On parabolas through the nearest sizes.
+    Parabolas,
+    /// In straight lines.
+    Straight,
 }
 
 /// Why there is no library.
@@ -116,6 +131,7 @@ impl Base {
             seeds.into_par_iter().map(|i| play(nominal, &[], Seed(FIRST_SEED + i), budget.run_s)).collect();
         let runs = runs?;
         let shape = shape(&runs).ok_or(CannotLearn::Blind)?;
+        let shape = Shape { columns: shape.columns.knowing(&fitted(&shape, &runs)), ..shape };
         let numbers = fitted(&shape, &runs);
         let mut base = Self { shape, numbers, memory: Memory::default() };
         base.memory = base.remembered(&runs);
@@ -138,7 +154,7 @@ impl Entry {
     /// If the world cannot be played.
     pub fn learn(nominal: &dyn Nominal, base: &Base, variant: &Variant, budget: &Budget) -> Result<Self, CannotPlay> {
         let (least, greatest) = variant.sizes();
-        let n = budget.sizes.max(2);
+        let n = budget.sizes.max(3);
         let share = |i: usize| i as f64 / (n - 1) as f64;
         let sizes: Vec<f64> = (0..n).map(|i| least * exp(share(i) * ln(greatest / least))).collect();
         let free = Free { wear: variant.block() == Block::Drift };
@@ -149,15 +165,23 @@ impl Entry {
                 (0..budget.runs).map(|i| play(nominal, &planted, Seed(FIRST_SEED + i), budget.run_s)).collect();
             runs.push((size / greatest, of_size?));
         }
-        let responses = changed(&base.shape, &base.numbers, &runs, free, smooth(variant));
+        let responses = changed(&base.shape, &base.numbers, &runs, free, run(variant) == Run::Polynomial);
         let change = |with: Vec<f64>| with.iter().zip(&base.numbers).map(|(with, without)| with - without).collect();
         let changes = responses.into_iter().map(change).collect();
-        Ok(Self { kind: variant.name(), sizes, changes, smooth: smooth(variant) })
+        Ok(Self { kind: variant.name(), sizes, changes, run: run(variant) })
     }
 
     /// Adds the change at a size to `numbers`. Logarithms of noise and log-odds run in straight lines always.
     pub fn add(&self, shape: &Shape, size: f64, numbers: &mut [f64]) {
-        let means = if self.smooth { self.parabola(size) } else { self.straight(size, |size| size) };
+        let n = self.sizes.len();
+        let means = match self.run {
+            Run::Polynomial => self.through(n.saturating_sub(3)..n, size),
+            Run::Parabolas => {
+                let above = self.sizes.partition_point(|it| *it < size).clamp(1, n - 1);
+                self.through(above - 1..above + 1, size)
+            }
+            Run::Straight => self.straight(size, |size| size),
+        };
         // Log-odds of shares and logarithms of noise go rather with the size's own logarithm.
         let rest = self.straight(size, ln);
         for group in ORDER {
@@ -172,20 +196,15 @@ impl Entry {
         }
     }
 
-    /// Weights of the changes in `a s + b s^2`, fitted to all of them by least squares.
-    fn parabola(&self, size: f64) -> Vec<f64> {
-        let unit = self.sizes.last().copied().unwrap_or(1.0);
-        let s: Vec<f64> = self.sizes.iter().map(|size| size / unit).collect();
-        let power = |n: i32| s.iter().fold(0.0, |sum, s| sum + s.powi(n));
-        let (s2, s3, s4) = (power(2), power(3), power(4));
-        let determinant = s2 * s4 - s3 * s3;
-        let x = size / unit;
-        let weight = |s: &f64| {
-            let a = (s4 * s - s3 * s * s) / determinant;
-            let b = (s2 * s * s - s3 * s) / determinant;
-            a * x + b * x * x
-        };
-        s.iter().map(weight).collect()
+    /// Weights of the changes on the polynomial through no change at no size and those at some of the sizes (Lagrange).
+    fn through(&self, of: std::ops::Range<usize>, size: f64) -> Vec<f64> {
+        let mut weights = vec![0.0; self.sizes.len()];
+        for k in of.clone() {
+            let others = of.clone().filter(|j| *j != k).map(|j| self.sizes[j]);
+            let at = self.sizes[k];
+            weights[k] = others.fold(size / at, |weight, other| weight * (size - other) / (at - other));
+        }
+        weights
     }
 
     /// Weights of the changes on straight lines in `scale` of the size; below the least size, in the size itself
@@ -205,10 +224,14 @@ impl Entry {
     }
 }
 
-/// Whether what an effect changes grows as a parabola in its size: delays cross from one age to the next, and what
-/// sensing does is seen so clearly that a parabola would smooth away more than it steadies.
-fn smooth(variant: &Variant) -> bool {
-    variant.block() != Block::Timing && !matches!(variant.place(), Place::Sensing | Place::Scene)
+/// How an effect's changes run over its sizes: delays cross from one age to the next, and what sensing does is seen so
+/// clearly that one polynomial for all sizes would smooth away more than it steadies.
+fn run(variant: &Variant) -> Run {
+    match variant.place() {
+        _ if variant.block() == Block::Timing => Run::Straight,
+        Place::Sensing | Place::Scene => Run::Parabolas,
+        Place::Actuation | Place::Dynamics => Run::Polynomial,
+    }
 }
 
 impl Library {

@@ -204,6 +204,14 @@ impl Shape {
         }
     }
 
+    /// By how much the bearing that is read, and the size, change with the bearing, beyond the bearing itself.
+    #[must_use]
+    pub fn off_slopes(&self, sight: &Sight, size: &[f64], bearing: &[f64]) -> [f64; 2] {
+        let off = sight.off_rad;
+        let of_bearing = bearing[1] + 3.0 * off * off * bearing[2];
+        [2.0 * off * size[self.curve_width()], of_bearing]
+    }
+
     /// Logarithm of the density of sightings of something else, which may be anywhere in view, as far away as anything;
     /// now and then it is anything at all.
     #[must_use]
@@ -221,6 +229,16 @@ impl Shape {
         ln((1.0 - ANYTHING) * in_view + ANYTHING * anything)
     }
 
+    /// The angle off the image's centre at which a landmark is read there, by these numbers of the bearing: whether it is
+    /// in the image hangs on that.
+    #[must_use]
+    pub fn off_read(&self, sight: &Sight, bearing: &[f64], columns: &mut [f64]) -> f64 {
+        // Far outside of the image a cubic says nothing.
+        let reach = OFF_REACH * self.off_rad;
+        self.bearing_columns(&Sight { off_rad: sight.off_rad.clamp(-reach, reach), ..*sight }, columns);
+        columns.iter().zip(bearing).fold(sight.off_rad, |sum, (column, number)| sum + column * number)
+    }
+
     /// Which band of distance.
     #[must_use]
     pub fn band(&self, distance_m: f64) -> usize {
@@ -232,11 +250,33 @@ impl Shape {
     /// Which bin of the shares seen; `None` where a landmark is not expected to be seen at all.
     #[must_use]
     pub fn bin(&self, distance_m: f64, off_rad: f64) -> Option<usize> {
-        let [near_m, far_m] = self.near_far_m;
-        let far = (distance_m - near_m) / (far_m - near_m).max(1e-9) * FAR_BINS as f64;
-        let off = off_rad.abs() / (OFF_REACH * self.off_rad.max(1e-9)) * OFF_BINS as f64;
+        let [far, off] = self.in_bins(distance_m, off_rad);
         let within = (0.0..FAR_BINS as f64).contains(&far) && off < OFF_BINS as f64;
         within.then(|| far as usize * OFF_BINS + off as usize)
+    }
+
+    /// The four bins between whose middles a place lies, with weights that add up to 1; outside of all, the nearest.
+    #[must_use]
+    pub fn bins(&self, distance_m: f64, off_rad: f64) -> [(usize, f64); 4] {
+        let [far, off] = self.in_bins(distance_m, off_rad);
+        let far = (far - 0.5).clamp(0.0, FAR_BINS as f64 - 1.0);
+        let off = (off - 0.5).clamp(0.0, OFF_BINS as f64 - 1.0);
+        let (i, j) = ((far as usize).min(FAR_BINS - 2), (off as usize).min(OFF_BINS - 2));
+        let (a, b) = (far - i as f64, off - j as f64);
+        let at = |i: usize, j: usize| i * OFF_BINS + j;
+        [
+            (at(i, j), (1.0 - a) * (1.0 - b)),
+            (at(i, j + 1), (1.0 - a) * b),
+            (at(i + 1, j), a * (1.0 - b)),
+            (at(i + 1, j + 1), a * b),
+        ]
+    }
+
+    /// Distance and angle in widths of bins.
+    fn in_bins(&self, distance_m: f64, off_rad: f64) -> [f64; 2] {
+        let [near_m, far_m] = self.near_far_m;
+        let far = (distance_m - near_m) / (far_m - near_m).max(1e-9) * FAR_BINS as f64;
+        [far, off_rad.abs() / (OFF_REACH * self.off_rad.max(1e-9)) * OFF_BINS as f64]
     }
 }
 

@@ -26,7 +26,12 @@ impl Sums {
     /// Of nothing yet.
     #[must_use]
     pub fn new(width: usize) -> Self {
-        Self { normal: (0..width).map(|i| vec![0.0; i + 1]).collect(), right: vec![0.0; width], squares: 0.0, count: 0.0 }
+        Self {
+            normal: (0..width).map(|i| vec![0.0; i + 1]).collect(),
+            right: vec![0.0; width],
+            squares: 0.0,
+            count: 0.0,
+        }
     }
 
     /// Takes in a row of regressors and what they are to explain.

@@ -74,13 +74,7 @@ pub fn nominal(shape: &Shape, runs: &[Dataset]) -> Vec<f64> {
 /// The responses to an effect at several sizes, in shares of the greatest, as changes of the nominal one: what the runs
 /// do not show to change is left alone. `smooth` ones change as a parabola in the size.
 #[must_use]
-pub fn changed(
-    shape: &Shape,
-    base: &[f64],
-    runs: &[(f64, Vec<Dataset>)],
-    free: Free,
-    smooth: bool,
-) -> Vec<Vec<f64>> {
+pub fn changed(shape: &Shape, base: &[f64], runs: &[(f64, Vec<Dataset>)], free: Free, smooth: bool) -> Vec<Vec<f64>> {
     let runs: Vec<(f64, Vec<Run>)> = runs.iter().map(|(share, runs)| (*share, seen(shape, runs))).collect();
     let mut responses = vec![base.to_vec(); runs.len()];
     if smooth {
@@ -133,8 +127,10 @@ impl Run {
         row.clear();
         row.extend_from_slice(self.view.row(i));
         let heading = columns.range(Group::Heading).start;
-        row[heading + 1] = row[heading] * sin;
-        row[heading] *= cos;
+        for i in [heading, heading + 2] {
+            row[i + 1] = row[i] * sin;
+            row[i] *= cos;
+        }
         Some([cos * dx + sin * dy, cos * dy - sin * dx, wrap_rad(after.theta_rad - before.theta_rad)])
     }
 }

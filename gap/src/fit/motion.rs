@@ -17,8 +17,7 @@ const LEAST_SHARE: f64 = 0.01;
 /// Columns that a fit may change.
 fn free_columns(columns: &Columns, wear: bool) -> Vec<usize> {
     let fixed = [(Group::Heading, !columns.heading), (Group::Held, columns.heading), (Group::Wear, !wear)];
-    let is_fixed =
-        |i: usize| fixed.iter().any(|(group, is_fixed)| *is_fixed && columns.range(*group).contains(&i));
+    let is_fixed = |i: usize| fixed.iter().any(|(group, is_fixed)| *is_fixed && columns.range(*group).contains(&i));
     (0..columns.len()).filter(|i| !is_fixed(*i)).collect()
 }
 
@@ -57,13 +56,13 @@ pub fn nominal(shape: &Shape, runs: &[Run], numbers: &mut [f64]) {
 }
 
 /// The numbers at several sizes of an effect, in shares of the greatest, from those that it left alone; of several
-/// sizes they change as a parabola.
+/// sizes they change as a polynomial of third degree.
 pub fn changed(shape: &Shape, runs: &[(f64, Vec<Run>)], free: Free, responses: &mut [Vec<f64>]) {
     let Some(base) = responses.first().cloned() else { return };
     let of = free_columns(&shape.columns, free.wear);
     let width = shape.columns.len();
     let weights = weights(shape, &base);
-    let powers: &[i32] = if runs.len() > 1 { &[1, 2] } else { &[0] };
+    let powers: &[i32] = if runs.len() > 1 { &[1, 2, 3] } else { &[0] };
     let all: Vec<(f64, [Sums; 3])> = runs
         .iter()
         .flat_map(|(share, runs)| runs.iter().map(|run| (*share, sums(shape, run, &of, &base, &weights))))
@@ -102,7 +101,8 @@ fn terms(shape: &Shape, base: &[f64], of: &[usize], axis: usize) -> Vec<(usize, 
     let columns = &shape.columns;
     let width = columns.len();
     let curve = columns.range(Group::Curve);
-    let greatest = |axis: usize| base[axis * width..][curve.clone()].iter().fold(0.0, |most, it| f64::max(most, it.abs()));
+    let greatest =
+        |axis: usize| base[axis * width..][curve.clone()].iter().fold(0.0, |most, it| f64::max(most, it.abs()));
     let whole = |value: &dyn Fn(usize) -> f64| -> Vec<(usize, f64)> {
         let within = of.iter().enumerate().filter(|(_, column)| curve.contains(column));
         within.map(|(i, column)| (i, value(*column))).collect()
@@ -117,9 +117,9 @@ fn terms(shape: &Shape, base: &[f64], of: &[usize], axis: usize) -> Vec<(usize, 
     let group = |column: usize| {
         let order = [Group::Curve, Group::Lingering, Group::Heading, Group::Held, Group::Wear];
         let index = order.iter().position(|group| columns.range(*group).contains(&column));
-        // What lingers of each axis's command is of its own kind.
+        // What lingers of the axis's own velocity is of another kind than what does of others'.
         match (index.unwrap_or(0), column - columns.range(Group::Lingering).start.min(column)) {
-            (1, within) => 8 + within % 3,
+            (1, within) => 8 + usize::from(within % 3 != axis),
             (index, _) => 3 + index,
         }
     };

@@ -151,12 +151,15 @@ fn noise(shape: &Shape, runs: &[Run], known: Option<&[f64]>, numbers: &mut [f64]
 /// How often landmarks are seen, by bin.
 pub fn detection(shape: &Shape, runs: &[Run], numbers: &mut [f64]) {
     let of = shape.range(Numbers::Detection);
+    let bearing = shape.range(Numbers::Bearing);
+    let mut columns = vec![0.0; bearing.len()];
     let mut counts = vec![[0.0; 2]; of.len()];
     for run in runs.iter().filter(|run| run.view.misses) {
         for (i, step) in run.view.steps.iter().enumerate() {
             for landmark in 0..run.view.landmarks.len() {
                 let sight = run.sight(i, landmark);
-                let Some(bin) = shape.bin(sight.distance_m, sight.off_rad) else { continue };
+                let off_rad = shape.off_read(&sight, &numbers[bearing.clone()], &mut columns);
+                let Some(bin) = shape.bin(sight.distance_m, off_rad) else { continue };
                 let seen = run.view.seen[step.seen.clone()].iter().any(|it| it.landmark == landmark);
                 counts[bin][usize::from(seen)] += 1.0;
             }
