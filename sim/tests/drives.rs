@@ -1,4 +1,4 @@
-//! The policies of chapter 4: which actions there are, how evenly they are executed, and that they stay
+//! The policies of chapters 3 and 4: which actions there are, how evenly they are executed, and that they stay
 //! on the field.
 
 use std::f64::consts::PI;
@@ -68,6 +68,57 @@ fn pacing_among_strides_keeps_its_phases_and_uses_every_stride() {
     for (id, count) in executed.into_iter().enumerate() {
         let expected = if id == 10 { 273 } else { 136 };
         assert!((count - expected).abs() < 65, "{id}: {count} times");
+    }
+}
+
+/// Speeds of `pace` as it turns round after every `walk` commands.
+fn paced_speeds(mut pace: Pace, walk: i32, commands: i32) -> Vec<f64> {
+    let mut seen = Seen::default();
+    let mut speeds = Vec::new();
+    for i in 0..commands {
+        let t_s = f64::from(i) * 3.0;
+        let Action::Legs { ay_m_per_s, .. } = pace.act(t_s, &seen) else { panic!("no stride") };
+        speeds.push(ay_m_per_s);
+        let near = (i + 1) / walk % 2 == 1;
+        let size = Size::HeightPx(if near { 34.0 } else { 11.0 });
+        seen.sightings.push(Sighting { t_s, landmark: 0, size, bearing_rad: 0.0 });
+    }
+    speeds
+}
+
+#[test]
+fn few_commands_of_strata_make_an_even_mix_and_all_together_are_uniform() {
+    let of = |strata: u32| {
+        let pacing = Pacing { strata, ..Pacing::default() };
+        // Walks of 7: no round of 3 ends where a walk does.
+        paced_speeds(Pace::new(pacing, Seed(1000).stream("drive")), 7, 8400)
+    };
+    let [apart, even] = [of(1), of(3)];
+    for sign in [1.0, -1.0] {
+        let one_way = |speeds: &[f64]| -> Vec<f64> {
+            speeds.iter().map(|ay| ay * sign / 0.3).filter(|share| *share > 0.0).collect()
+        };
+        let [apart, even] = [one_way(&apart), one_way(&even)];
+        assert_eq!((apart.len(), even.len()), (4200, 4200), "a command the wrong way");
+        let parts = |round: &[f64]| -> Vec<u32> {
+            let mut parts: Vec<u32> = round.iter().map(|share| (3.0 * share) as u32).collect();
+            parts.sort_unstable();
+            parts
+        };
+        assert!(even.chunks(3).all(|round| parts(round) == [0, 1, 2]));
+        assert!(!apart.chunks(3).all(|round| parts(round) == [0, 1, 2]));
+        // All orders occur alike: the first of 1400 rounds is in each part 467 times, give or take four of 18.
+        for part in 0..3 {
+            let first = even.chunks(3).filter(|round| (3.0 * round[0]) as u32 == part).count() as i32;
+            assert!((first - 467).abs() < 72, "part {part} first {first} times");
+        }
+        for speeds in [apart, even] {
+            // Tenths of the range: 420 of 4200, give or take four standard deviations of less than 20.
+            for tenth in 0..10 {
+                let count = speeds.iter().filter(|share| (10.0 * **share) as i32 == tenth).count() as i32;
+                assert!((count - 420).abs() < 80, "tenth {tenth}: {count}");
+            }
+        }
     }
 }
 

@@ -13,6 +13,9 @@ asami_dataset::parameters! {
         max_speed_m_per_s: f64 = 0.3, "m/s", 0.01..=1.0;
         /// How long each command is held.
         hold_s: f64 = 3.0, "s", 0.1..=60.0;
+        /// Of so many commands in a row, walking one way, each comes from another of as many equal parts of the range,
+        /// in random order: every command is as likely as any other, and few make an even mix. 1 draws each by itself.
+        strata: u32 = 1, "1", 1.0..=100.0;
         /// Height at which the robot turns round to walk back.
         near_height_px: f64 = 33.0, "px", 1.0..=160.0;
         /// Height at which it turns round to walk forward.
@@ -28,6 +31,8 @@ pub struct Pace {
     rng: Rng,
     among: Option<Vec<Action>>,
     forward: bool,
+    /// The parts of the range that this round has left, walking back and forward.
+    left: [Vec<u32>; 2],
     command: Action,
     since_s: Option<f64>,
     read: usize,
@@ -38,7 +43,18 @@ impl Pace {
     /// Starts forward; `rng` draws the commands.
     #[must_use]
     pub fn new(pacing: Pacing, rng: Rng) -> Self {
-        Self { pacing, rng, among: None, forward: true, command: stride(0.0), since_s: None, read: 0, seen_s: 0.0 }
+        let left = [Vec::new(), Vec::new()];
+        Self {
+            pacing,
+            rng,
+            among: None,
+            forward: true,
+            left,
+            command: stride(0.0),
+            since_s: None,
+            read: 0,
+            seen_s: 0.0,
+        }
     }
 
     /// The same phases, but commands drawn from `actions`, for example
@@ -49,9 +65,23 @@ impl Pace {
         Self { among: Some(actions), ..Self::new(pacing, rng) }
     }
 
+    /// How far along this phase's range the next command lies, in `[0, 1)`.
+    fn share(&mut self) -> f64 {
+        let strata = self.pacing.strata;
+        if strata <= 1 {
+            return self.rng.random::<f64>();
+        }
+        let left = &mut self.left[usize::from(self.forward)];
+        if left.is_empty() {
+            left.extend(0..strata);
+        }
+        let part = left.swap_remove((self.rng.random::<f64>() * left.len() as f64) as usize);
+        (f64::from(part) + self.rng.random::<f64>()) / f64::from(strata)
+    }
+
     /// Draws a command for this phase.
     fn draw(&mut self) -> Action {
-        let share = self.rng.random::<f64>();
+        let share = self.share();
         let Some(actions) = &self.among else {
             let speed_m_per_s = share * self.pacing.max_speed_m_per_s;
             return stride(if self.forward { speed_m_per_s } else { -speed_m_per_s });
