@@ -8,6 +8,9 @@ use crate::shape::{Numbers, SPEEDS, Shape};
 /// A way in which a response may change: what is added to its numbers for one prior standard deviation.
 pub type Direction = Vec<f64>;
 
+/// A landmark that does not stand where it is said to is off by about so much.
+const MOVED_M: f64 = 0.15;
+
 /// The directions of a block about a response.
 #[must_use]
 pub fn directions(shape: &Shape, numbers: &[f64], block: &str) -> Vec<Direction> {
@@ -119,11 +122,8 @@ impl Making<'_> {
         self.push([(bearing.start + 1, of_bearing / off)]);
         self.push([(bearing.start + 2, of_bearing / (off * off * off))]);
         self.push([(bearing.start + 5, of_bearing)]);
-        for i in size.start + curve + 3..size.end {
-            self.push([(i, 2.0 * of_size)]);
-        }
-        for i in bearing.start + 6..bearing.end {
-            self.push([(i, of_bearing)]);
+        for i in self.shape.range(Numbers::Moved) {
+            self.push([(i, MOVED_M)]);
         }
     }
 

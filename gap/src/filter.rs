@@ -12,7 +12,7 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix3, RowVector3, Vector2, Vector3};
 
 use crate::columns::Group;
 use crate::memory::{Memory, Recall};
-use crate::shape::{Numbers, Shape, speed_class};
+use crate::shape::{Numbers, Shape, Sight, speed_class};
 use crate::view::{Seen, View};
 
 /// A pose with its covariance: world x, world y, heading.
@@ -220,7 +220,7 @@ impl<'a> Ready<'a> {
     /// How likely a landmark is to be seen, wherever in the belief the robot is (three points of Gauss and Hermite over
     /// the angle).
     fn share_seen(&mut self, view: &View, i: usize, landmark: usize, belief: &Belief, visits: &mut [f64]) -> f64 {
-        let sight = view.sight(i, landmark, belief.mean.into());
+        let sight = self.sight(view, i, landmark, belief);
         let off_rad = self.shape.off_read(&sight, &self.numbers[self.bearing.clone()], &mut self.bearing_columns);
         let [_, off_sd] = self.uncertain(view, landmark, sight.distance_m, belief);
         let mut share = 0.0;
@@ -233,18 +233,27 @@ impl<'a> Ready<'a> {
         share
     }
 
+    fn sight(&self, view: &View, i: usize, landmark: usize, belief: &Belief) -> Sight {
+        view.sight(i, landmark, belief.mean.into(), self.shape.moved(self.numbers, landmark))
+    }
+
+    /// From the robot to a landmark: world x and y.
+    fn towards(&self, view: &View, landmark: usize, belief: &Belief) -> [f64; 2] {
+        let ([x_m, y_m], [moved_x_m, moved_y_m]) = (view.landmarks[landmark], self.shape.moved(self.numbers, landmark));
+        [x_m + moved_x_m - belief.mean.x, y_m + moved_y_m - belief.mean.y]
+    }
+
     /// Standard deviations of a landmark's distance and bearing.
     fn uncertain(&self, view: &View, landmark: usize, distance_m: f64, belief: &Belief) -> [f64; 2] {
         let d = distance_m.max(0.05);
-        let [x_m, y_m] = view.landmarks[landmark];
-        let (ux, uy) = ((x_m - belief.mean.x) / d, (y_m - belief.mean.y) / d);
+        let [ux, uy] = self.towards(view, landmark, belief).map(|it| it / d);
         let sd = |h: Vector3<f64>| (h.transpose() * belief.covariance * h).x.max(0.0).sqrt();
         [sd(Vector3::new(ux, uy, 0.0)), sd(Vector3::new(uy / d, -ux / d, -1.0))]
     }
 
     /// Whether a landmark is as likely to be seen two standard deviations of the pose to either side.
     fn is_clear(&self, view: &View, i: usize, landmark: usize, belief: &Belief) -> bool {
-        let sight = view.sight(i, landmark, belief.mean.into());
+        let sight = self.sight(view, i, landmark, belief);
         let [far, off] = self.uncertain(view, landmark, sight.distance_m, belief).map(|sd| 2.0 * sd);
         let share = |far_m: f64, off_rad: f64| {
             let bin = self.shape.bin(sight.distance_m + far_m, sight.off_rad + off_rad);
@@ -259,7 +268,7 @@ impl<'a> Ready<'a> {
     /// Takes one sighting in, and gives its log-likelihood.
     fn update(&mut self, view: &View, i: usize, seen: usize, belief: &mut Belief, into: &mut Vec<Innovation>) -> f64 {
         let Seen { landmark, size, bearing_rad } = view.seen[seen];
-        let sight = view.sight(i, landmark, belief.mean.into());
+        let sight = self.sight(view, i, landmark, belief);
         let mut slopes = [0.0; 4];
         self.shape.size_columns(&sight, &mut self.size_columns, &mut slopes);
         self.shape.bearing_columns(&sight, &mut self.bearing_columns);
@@ -272,8 +281,7 @@ impl<'a> Ready<'a> {
         );
 
         let d = sight.distance_m.max(0.05);
-        let [x_m, y_m] = view.landmarks[landmark];
-        let (ux, uy) = ((x_m - belief.mean.x) / d, (y_m - belief.mean.y) / d);
+        let [ux, uy] = self.towards(view, landmark, belief).map(|it| it / d);
         // Derivatives of the distance, and of the bearing.
         let (far, off) = (RowVector3::new(-ux, -uy, 0.0), RowVector3::new(uy / d, -ux / d, -1.0));
         let [size_by_off, bearing_by_off] = self.shape.off_slopes(&sight, for_size, for_bearing);

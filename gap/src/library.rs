@@ -129,13 +129,18 @@ impl Base {
         let seeds: Vec<u64> = (0..budget.nominal_runs).collect();
         let runs: Result<Vec<Dataset>, CannotPlay> =
             seeds.into_par_iter().map(|i| play(nominal, &[], Seed(FIRST_SEED + i), budget.run_s)).collect();
-        let runs = runs?;
-        let shape = shape(&runs).ok_or(CannotLearn::Blind)?;
-        let shape = Shape { columns: shape.columns.knowing(&fitted(&shape, &runs)), ..shape };
-        let numbers = fitted(&shape, &runs);
+        Self::of(&runs?).ok_or(CannotLearn::Blind)
+    }
+
+    /// The response that runs of the nominal world show; `None` where no landmark is seen in them.
+    #[must_use]
+    pub fn of(runs: &[Dataset]) -> Option<Self> {
+        let shape = shape(runs)?;
+        let shape = Shape { columns: shape.columns.knowing(&fitted(&shape, runs)), ..shape };
+        let numbers = fitted(&shape, runs);
         let mut base = Self { shape, numbers, memory: Memory::default() };
-        base.memory = base.remembered(&runs);
-        Ok(base)
+        base.memory = base.remembered(runs);
+        Some(base)
     }
 
     /// The memory of the nominal innovations.
@@ -156,19 +161,26 @@ impl Entry {
         let (least, greatest) = variant.sizes();
         let n = budget.sizes.max(3);
         let share = |i: usize| i as f64 / (n - 1) as f64;
-        let sizes: Vec<f64> = (0..n).map(|i| least * exp(share(i) * ln(greatest / least))).collect();
-        let free = Free { wear: variant.block() == Block::Drift };
         let mut runs: Vec<(f64, Vec<Dataset>)> = Vec::with_capacity(n);
-        for size in &sizes {
-            let planted = [Planted { variant: variant.clone(), size: *size }];
+        for size in (0..n).map(|i| least * exp(share(i) * ln(greatest / least))) {
+            let planted = [Planted { variant: variant.clone(), size }];
             let of_size: Result<Vec<Dataset>, CannotPlay> =
                 (0..budget.runs).map(|i| play(nominal, &planted, Seed(FIRST_SEED + i), budget.run_s)).collect();
-            runs.push((size / greatest, of_size?));
+            runs.push((size, of_size?));
         }
+        Ok(Self::of(base, variant, runs))
+    }
+
+    /// What one kind of effect changes, as runs at several sizes, increasing, show it.
+    #[must_use]
+    pub fn of(base: &Base, variant: &Variant, mut runs: Vec<(f64, Vec<Dataset>)>) -> Self {
+        let sizes: Vec<f64> = runs.iter().map(|(size, _)| *size).collect();
+        let greatest = sizes.last().copied().unwrap_or(1.0);
+        runs.iter_mut().for_each(|(size, _)| *size /= greatest);
+        let free = Free { wear: variant.block() == Block::Drift };
         let responses = changed(&base.shape, &base.numbers, &runs, free, run(variant) == Run::Polynomial);
         let change = |with: Vec<f64>| with.iter().zip(&base.numbers).map(|(with, without)| with - without).collect();
-        let changes = responses.into_iter().map(change).collect();
-        Ok(Self { kind: variant.name(), sizes, changes, run: run(variant) })
+        Self { kind: variant.name(), sizes, changes: responses.into_iter().map(change).collect(), run: run(variant) }
     }
 
     /// Adds the change at a size to `numbers`. Logarithms of noise and log-odds run in straight lines always.
@@ -185,7 +197,7 @@ impl Entry {
         // Log-odds of shares and logarithms of noise go rather with the size's own logarithm.
         let rest = self.straight(size, ln);
         for group in ORDER {
-            let is_mean = matches!(group, Numbers::Motion | Numbers::Size | Numbers::Bearing);
+            let is_mean = matches!(group, Numbers::Motion | Numbers::Size | Numbers::Bearing | Numbers::Moved);
             let weights = if is_mean { &means } else { &rest };
             for (weight, change) in weights.iter().zip(&self.changes).filter(|(weight, _)| **weight != 0.0) {
                 let of = shape.range(group);

@@ -32,7 +32,11 @@ pub fn channels(shape: &Shape) -> Vec<Channel> {
             means: all(Numbers::Size),
             noise: all(Numbers::SizeNoise),
         },
-        Channel { name: "bearing_rad", means: all(Numbers::Bearing), noise: all(Numbers::BearingNoise) },
+        Channel {
+            name: "bearing_rad",
+            means: [all(Numbers::Bearing), all(Numbers::Moved)].concat(),
+            noise: all(Numbers::BearingNoise),
+        },
         Channel {
             name: "detection",
             means: Vec::new(),

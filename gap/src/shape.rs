@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use asami_math::elementary::{cos, ln, sin, sin_cos};
+use asami_math::elementary::{ln, sin, sin_cos};
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{Attempt, Columns};
@@ -71,6 +71,8 @@ pub enum Numbers {
     Size,
     /// What is added to the true bearing, for each of its columns.
     Bearing,
+    /// By how much each landmark stands elsewhere than it is said to: world x and y.
+    Moved,
     /// Logarithms of the sizes' standard deviations, by band of distance.
     SizeNoise,
     /// Logarithms of the bearings' standard deviations, by band of distance.
@@ -82,11 +84,12 @@ pub enum Numbers {
 }
 
 /// All groups.
-pub const ORDER: [Numbers; 8] = [
+pub const ORDER: [Numbers; 9] = [
     Numbers::Motion,
     Numbers::MotionNoise,
     Numbers::Size,
     Numbers::Bearing,
+    Numbers::Moved,
     Numbers::SizeNoise,
     Numbers::BearingNoise,
     Numbers::False,
@@ -100,8 +103,11 @@ impl Shape {
         match group {
             Numbers::Motion => 3 * self.columns.len(),
             Numbers::MotionNoise => 3 * SPEEDS,
-            Numbers::Size => self.curve_width() + 3 + self.moved_width(),
-            Numbers::Bearing => 6 + self.moved_width(),
+            Numbers::Size => self.curve_width() + 3,
+            Numbers::Bearing => 6,
+            // Of a single landmark the place cannot be told from the robot's own.
+            Numbers::Moved if self.landmarks > 1 => 2 * self.landmarks,
+            Numbers::Moved => 0,
             Numbers::SizeNoise | Numbers::BearingNoise => BANDS,
             Numbers::False => 1,
             Numbers::Detection => FAR_BINS * OFF_BINS,
@@ -133,10 +139,11 @@ impl Shape {
         if self.ranges { 3 } else { 4 }
     }
 
-    /// Two columns a landmark for a place that is not the declared one; a single landmark's cannot be told from the
-    /// robot's own.
-    fn moved_width(&self) -> usize {
-        if self.landmarks > 1 { 2 * self.landmarks } else { 0 }
+    /// By how much a landmark stands elsewhere, by these numbers.
+    #[must_use]
+    pub fn moved(&self, numbers: &[f64], landmark: usize) -> [f64; 2] {
+        let at = self.range(Numbers::Moved).start + 2 * landmark;
+        if self.landmarks > 1 { [numbers[at], numbers[at + 1]] } else { [0.0; 2] }
     }
 
     /// Fills the size's columns, and their derivatives with respect to the distance for those of its curve.
@@ -160,27 +167,6 @@ impl Shape {
         columns[extra] = sight.off_rad * sight.off_rad;
         columns[extra + 1] = (right * right + forward * forward + turn * turn).sqrt();
         columns[extra + 2] = fall * (forward * cos_b - right * sin_b);
-        if self.landmarks > 1 {
-            // The world's y axis is bearing 0 of a robot with heading 0.
-            let towards = sight.bearing_rad + sight.theta_rad;
-            let at = extra + 3 + 2 * sight.landmark;
-            columns[at] = -fall * sin(towards);
-            columns[at + 1] = fall * cos(towards);
-        }
-    }
-
-    /// Which of the size's columns an effect is likely to change together: the curve by its terms, for each term in the
-    /// places of landmarks all.
-    #[must_use]
-    pub fn size_groups(&self) -> Vec<usize> {
-        let single = self.curve_width() + 3;
-        (0..single).chain(std::iter::repeat_n(single, self.moved_width())).collect()
-    }
-
-    /// The same of the bearing's columns.
-    #[must_use]
-    pub fn bearing_groups(&self) -> Vec<usize> {
-        (0..6).chain(std::iter::repeat_n(6, self.moved_width())).collect()
     }
 
     /// Fills the bearing's columns.
@@ -188,7 +174,7 @@ impl Shape {
         columns.fill(0.0);
         let d = sight.distance_m.max(0.05);
         let off = sight.off_rad;
-        columns[..6].copy_from_slice(&[
+        columns.copy_from_slice(&[
             1.0,
             off,
             off * off * off,
@@ -196,12 +182,6 @@ impl Shape {
             sight.attempt[2],
             sin(sight.bearing_rad) / d,
         ]);
-        if self.landmarks > 1 {
-            let towards = sight.bearing_rad + sight.theta_rad;
-            let at = 6 + 2 * sight.landmark;
-            columns[at] = cos(towards) / d;
-            columns[at + 1] = sin(towards) / d;
-        }
     }
 
     /// By how much the bearing that is read, and the size, change with the bearing, beyond the bearing itself.

@@ -132,11 +132,19 @@ impl View {
         Ok(view)
     }
 
-    /// How a landmark lies at a step from a pose: world x, world y, heading.
+    /// How a landmark lies at a step from a pose (world x, world y, heading), moved by so much from where it is said to
+    /// stand.
     #[must_use]
-    pub fn sight(&self, step: usize, landmark: usize, [x_m, y_m, theta_rad]: [f64; 3]) -> Sight {
+    pub fn sight(
+        &self,
+        step: usize,
+        landmark: usize,
+        [x_m, y_m, theta_rad]: [f64; 3],
+        [moved_x_m, moved_y_m]: [f64; 2],
+    ) -> Sight {
         let step = &self.steps[step];
-        let (dx, dy) = (self.landmarks[landmark][0] - x_m, self.landmarks[landmark][1] - y_m);
+        let [landmark_x_m, landmark_y_m] = self.landmarks[landmark];
+        let (dx, dy) = (landmark_x_m + moved_x_m - x_m, landmark_y_m + moved_y_m - y_m);
         let bearing_rad = wrap_rad(atan2(-dx, dy) - theta_rad);
         Sight {
             distance_m: hypot(dx, dy),

@@ -31,7 +31,7 @@ pub fn shape(runs: &[Dataset]) -> Option<Shape> {
         ranges |= run.view.ranges;
         for (i, step) in run.view.steps.iter().enumerate() {
             for seen in &run.view.seen[step.seen.clone()] {
-                let sight = run.sight(i, seen.landmark);
+                let sight = run.sight(i, seen.landmark, [0.0; 2]);
                 distances_m.push(sight.distance_m);
                 offs_rad.push(sight.off_rad.abs());
                 sizes.push(seen.size);
@@ -109,10 +109,10 @@ impl Run {
         Ok(Self { view, poses })
     }
 
-    /// How a landmark really lies at a step.
-    fn sight(&self, i: usize, landmark: usize) -> Sight {
+    /// How a landmark, moved by so much, really lies at a step.
+    fn sight(&self, i: usize, landmark: usize, moved: [f64; 2]) -> Sight {
         let TruePose { x_m, y_m, theta_rad, .. } = self.poses[i];
-        self.view.sight(i, landmark, [x_m, y_m, theta_rad])
+        self.view.sight(i, landmark, [x_m, y_m, theta_rad], moved)
     }
 
     /// The displacement before a step in the robot's frame, R(-theta) (w' - w), and its row of columns with the

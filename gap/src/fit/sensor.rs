@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{exp, ln};
+use asami_math::elementary::{exp, ln, sin_cos};
 
 use super::motion::moved;
 use super::{Run, dot};
-use crate::shape::{BANDS, Numbers, Shape};
+use crate::shape::{BANDS, Numbers, Shape, Sight};
 use crate::shrink::{Sums, ridged, shrunk};
 
 /// Rounds in which it is told which sightings are of something else.
@@ -60,21 +60,57 @@ fn logit(share: f64) -> f64 {
     ln(share / (1.0 - share))
 }
 
-/// Everything seen in a run, with its columns.
-fn each(shape: &Shape, run: &Run, numbers: &[f64], mut with: impl FnMut(&Left, [&[f64]; 2])) {
-    let (size, bearing) = (shape.range(Numbers::Size), shape.range(Numbers::Bearing));
-    let (mut of_size, mut of_bearing, mut slopes) = (vec![0.0; size.len()], vec![0.0; bearing.len()], [0.0; 4]);
+/// What sizes and bearings are explained by: the size's columns, the bearing's, the landmarks' places.
+struct Row {
+    /// Of a sighting's size, and of its bearing.
+    of: [Vec<f64>; 2],
+    /// Where each part begins.
+    starts: [usize; 3],
+}
+
+impl Row {
+    fn new(shape: &Shape) -> Self {
+        let [size, bearing, places] = [Numbers::Size, Numbers::Bearing, Numbers::Moved].map(|group| shape.width(group));
+        let width = size + bearing + places;
+        Self { of: [vec![0.0; width], vec![0.0; width]], starts: [0, size, size + bearing] }
+    }
+
+    /// Fills both for a sight, and gives what is expected. A place that is off moves sizes by their slope, and bearings
+    /// by the angle that it takes up.
+    fn fill(&mut self, shape: &Shape, numbers: &[f64], sight: &Sight) -> [f64; 2] {
+        let [_, bearing, places] = self.starts;
+        let mut slopes = [0.0; 4];
+        self.of.iter_mut().for_each(|of| of.fill(0.0));
+        shape.size_columns(sight, &mut self.of[0][..bearing], &mut slopes);
+        shape.bearing_columns(sight, &mut self.of[1][bearing..places]);
+        let of_size = &numbers[shape.range(Numbers::Size)];
+        let expected = [
+            dot(&self.of[0][..bearing], of_size),
+            sight.bearing_rad + dot(&self.of[1][bearing..places], &numbers[shape.range(Numbers::Bearing)]),
+        ];
+        if shape.landmarks > 1 {
+            let slope = dot(&slopes[..shape.curve_width()], of_size);
+            let d = sight.distance_m.max(0.05);
+            // The world's y axis is bearing 0 of a robot with heading 0.
+            let (sin, cos) = sin_cos(sight.bearing_rad + sight.theta_rad);
+            let at = places + 2 * sight.landmark;
+            self.of[0][at..at + 2].copy_from_slice(&[-slope * sin, slope * cos]);
+            self.of[1][at..at + 2].copy_from_slice(&[-cos / d, -sin / d]);
+        }
+        expected
+    }
+}
+
+/// Everything seen in a run, with the rows of its size and bearing.
+fn each(shape: &Shape, run: &Run, numbers: &[f64], mut with: impl FnMut(&Left, &[Vec<f64>; 2])) {
+    let mut row = Row::new(shape);
     let noise = [shape.range(Numbers::SizeNoise).start, shape.range(Numbers::BearingNoise).start];
     let false_share = 1.0 / (1.0 + exp(-numbers[shape.range(Numbers::False).start]));
     for (i, step) in run.view.steps.iter().enumerate() {
         for seen in &run.view.seen[step.seen.clone()] {
-            let sight = run.sight(i, seen.landmark);
-            shape.size_columns(&sight, &mut of_size, &mut slopes);
-            shape.bearing_columns(&sight, &mut of_bearing);
-            let residual = [
-                seen.size - dot(&of_size, &numbers[size.clone()]),
-                wrap_rad(seen.bearing_rad - sight.bearing_rad - dot(&of_bearing, &numbers[bearing.clone()])),
-            ];
+            let sight = run.sight(i, seen.landmark, shape.moved(numbers, seen.landmark));
+            let expected = row.fill(shape, numbers, &sight);
+            let residual = [seen.size - expected[0], wrap_rad(seen.bearing_rad - expected[1])];
             let band = shape.band(sight.distance_m);
             let ln_sd = [0, 1].map(|k| numbers[noise[k] + band]);
             let squares = (0..2).fold(0.0, |sum, k| sum + (residual[k] / exp(ln_sd[k])).powi(2));
@@ -82,38 +118,37 @@ fn each(shape: &Shape, run: &Run, numbers: &[f64], mut with: impl FnMut(&Left, [
             let off_rad = wrap_rad(seen.bearing_rad - step.pan_rad);
             let of_something_else = ln(false_share) + shape.ln_elsewhere(seen.size, off_rad);
             let genuine = 1.0 / (1.0 + exp((of_something_else - of_it).min(700.0)));
-            with(&Left { band, residual, genuine }, [&of_size, &of_bearing]);
+            with(&Left { band, residual, genuine }, &row.of);
         }
     }
 }
 
-/// Both curves; of `known` ones only what the runs show to change.
+/// The sensor's curves and the landmarks' places; of `known` ones only what the runs show to change. Nominally landmarks
+/// stand where they are said to.
 fn curves(shape: &Shape, runs: &[Run], known: Option<&[f64]>, numbers: &mut [f64]) {
-    let of = [Numbers::Size, Numbers::Bearing].map(|group| shape.range(group));
+    let of: Vec<usize> =
+        [Numbers::Size, Numbers::Bearing, Numbers::Moved].into_iter().flat_map(|group| shape.range(group)).collect();
     let noise = [Numbers::SizeNoise, Numbers::BearingNoise].map(|group| shape.range(group).start);
-    let nothing = vec![0.0; numbers.len()];
-    let from = known.unwrap_or(&nothing);
-    let change: Vec<f64> = numbers.iter().zip(from).map(|(number, from)| number - from).collect();
-    let sums: Vec<[Sums; 2]> = runs
+    let change: Vec<f64> = of.iter().map(|i| numbers[*i] - known.map_or(0.0, |known| known[*i])).collect();
+    let width = if known.is_some() { of.len() } else { of.len() - shape.width(Numbers::Moved) };
+    let sums: Vec<Sums> = runs
         .iter()
         .map(|run| {
-            let mut sums = of.clone().map(|of| Sums::new(of.len()));
-            each(shape, run, numbers, |left, columns| {
+            let mut sums = Sums::new(width);
+            each(shape, run, numbers, |left, rows| {
                 for k in 0..2 {
-                    let y = left.residual[k] + dot(columns[k], &change[of[k].clone()]);
-                    sums[k].add(columns[k], y, left.genuine * exp(-2.0 * numbers[noise[k] + left.band]));
+                    let y = left.residual[k] + dot(&rows[k][..width], &change[..width]);
+                    sums.add(&rows[k][..width], y, left.genuine * exp(-2.0 * numbers[noise[k] + left.band]));
                 }
             });
             sums
         })
         .collect();
-    let groups = [shape.size_groups(), shape.bearing_groups()];
-    for (k, of) in of.into_iter().enumerate() {
-        let runs: Vec<Sums> = sums.iter().map(|run| run[k].clone()).collect();
-        let found = if known.is_some() { shrunk(&runs, &groups[k]) } else { ridged(&runs, ANY_CURVE) };
-        for (i, found) in of.zip(found) {
-            numbers[i] = from[i] + found;
-        }
+    let curves = shape.width(Numbers::Size) + shape.width(Numbers::Bearing);
+    let group: Vec<usize> = (0..width).map(|i| i.min(curves)).collect();
+    let found = if known.is_some() { shrunk(&sums, &group) } else { ridged(&sums, ANY_CURVE) };
+    for (i, found) in of.into_iter().zip(found) {
+        numbers[i] = known.map_or(0.0, |known| known[i]) + found;
     }
 }
 
@@ -157,7 +192,7 @@ pub fn detection(shape: &Shape, runs: &[Run], numbers: &mut [f64]) {
     for run in runs.iter().filter(|run| run.view.misses) {
         for (i, step) in run.view.steps.iter().enumerate() {
             for landmark in 0..run.view.landmarks.len() {
-                let sight = run.sight(i, landmark);
+                let sight = run.sight(i, landmark, shape.moved(numbers, landmark));
                 let off_rad = shape.off_read(&sight, &numbers[bearing.clone()], &mut columns);
                 let Some(bin) = shape.bin(sight.distance_m, off_rad) else { continue };
                 let seen = run.view.seen[step.seen.clone()].iter().any(|it| it.landmark == landmark);
