@@ -6,6 +6,7 @@
 
 use asami_math::decomposition::{cholesky, cholesky_solve};
 use asami_math::elementary::ln;
+use rayon::prelude::*;
 
 use crate::directions::Direction;
 use crate::judge::Judge;
@@ -36,7 +37,7 @@ const DIFFERENCE: f64 = 0.05;
 pub fn fit(judge: &dyn Judge, numbers: &[f64], of: &dyn Fn(usize) -> bool) -> Vec<Fitted> {
     let each: Vec<Vec<Direction>> = BLOCKS[..5].iter().map(|block| judge.directions(numbers, block)).collect();
     let all = each.concat();
-    let on = On { judge, numbers, directions: &all, of };
+    let on = On { judges: &[judge], numbers, directions: &all, of };
     let here = on.likely(&vec![0.0; all.len()]);
     let scores: Vec<Vec<f64>> = (0..all.len()).map(|i| on.score(&vec![0.0; all.len()], &here, i)).collect();
     let mut start = 0;
@@ -49,9 +50,23 @@ pub fn fit(judge: &dyn Judge, numbers: &[f64], of: &dyn Fn(usize) -> bool) -> Ve
     BLOCKS.into_iter().zip(ranges).map(|(block, range)| on.block(block, range, &here, &scores)).collect()
 }
 
+/// The response from `numbers` that makes several logs of one world most likely, as far as one block may change it;
+/// `numbers` themselves where nothing is gained.
+#[must_use]
+pub fn polished(judges: &[&dyn Judge], numbers: &[f64], block: &'static str) -> Vec<f64> {
+    let Some(first) = judges.first() else { return numbers.to_vec() };
+    let directions = first.directions(numbers, block);
+    let on = On { judges, numbers, directions: &directions, of: &|_| true };
+    let none = vec![0.0; directions.len()];
+    let here = on.likely(&none);
+    let scores: Vec<Vec<f64>> = (0..directions.len()).map(|i| on.score(&none, &here, i)).collect();
+    let fitted = on.block(block, 0..directions.len(), &here, &scores);
+    if fitted.evidence_nats > 0.0 { fitted.numbers } else { numbers.to_vec() }
+}
+
 /// A response, the ways in which it may change, and the steps that count.
 struct On<'a> {
-    judge: &'a dyn Judge,
+    judges: &'a [&'a dyn Judge],
     numbers: &'a [f64],
     directions: &'a [Direction],
     of: &'a dyn Fn(usize) -> bool,
@@ -68,10 +83,11 @@ impl On<'_> {
         numbers
     }
 
-    /// Log-likelihoods of the steps that count; 0 of the others.
+    /// Log-likelihoods of the logs' steps that count, one log after another; 0 of the others.
     fn likely(&self, b: &[f64]) -> Vec<f64> {
-        let all = self.judge.read(&self.at(b)).log_likelihoods;
-        all.into_iter().enumerate().map(|(i, it)| if (self.of)(i) { it } else { 0.0 }).collect()
+        let numbers = self.at(b);
+        let all: Vec<Vec<f64>> = self.judges.par_iter().map(|judge| judge.read(&numbers).log_likelihoods).collect();
+        all.concat().into_iter().enumerate().map(|(i, it)| if (self.of)(i) { it } else { 0.0 }).collect()
     }
 
     /// Derivatives of the steps' log-likelihoods along a direction.

@@ -30,6 +30,10 @@ pub struct Case {
     /// By how much the best flexible block on top of the truth is more probable than the truth; of cases with a
     /// cause in the list.
     pub absorbed_nats: Option<f64>,
+    /// By how much the size of a single effect that shows lies off the one found, in shares of the 90 % interval on that
+    /// side.
+    #[serde(default)]
+    pub off_by: Option<f64>,
 }
 
 /// How evidence becomes probability.
@@ -45,6 +49,8 @@ pub struct Calibration {
     thresholds: [f64; 3],
     /// How far truths were exceeded by flexible blocks, increasing.
     absorbed_nats: Vec<f64>,
+    /// By how much sizes' intervals are too narrow.
+    stretch: f64,
     /// How many planted cases there were.
     pub cases: usize,
 }
@@ -64,7 +70,8 @@ const STRATA_NATS: [f64; 2] = [3.0, 10.0];
 impl Default for Calibration {
     /// The evidence as it is.
     fn default() -> Self {
-        Self { tau: 1.0, fade: 0.0, beta: BTreeMap::new(), thresholds: [0.05; 3], absorbed_nats: Vec::new(), cases: 0 }
+        let (beta, absorbed_nats) = (BTreeMap::new(), Vec::new());
+        Self { tau: 1.0, fade: 0.0, beta, thresholds: [0.05; 3], absorbed_nats, stretch: 1.0, cases: 0 }
     }
 }
 
@@ -91,8 +98,19 @@ impl Calibration {
         }
         calibration.absorbed_nats = cases.iter().filter_map(|case| case.absorbed_nats).collect();
         calibration.absorbed_nats.sort_by(f64::total_cmp);
+        let mut off_by: Vec<f64> = cases.iter().filter_map(|case| case.off_by).collect();
+        off_by.sort_by(f64::total_cmp);
+        let nine_in_ten = (off_by.len() * 9).div_ceil(10).checked_sub(1).and_then(|i| off_by.get(i));
+        // A handful of sizes says nothing of their scatter.
+        calibration.stretch = nine_in_ten.filter(|_| off_by.len() >= 20).map_or(1.0, |it| it.max(1.0));
         calibration.cases = cases.len();
         calibration
+    }
+
+    /// A 90 % interval of a size about the one found, as wide as planted sizes show it to be.
+    #[must_use]
+    pub fn interval(&self, found: f64, [low, high]: [f64; 2]) -> [f64; 2] {
+        [(found - self.stretch * (found - low).max(0.0)).max(0.0), found + self.stretch * (high - found).max(0.0)]
     }
 
     /// Probabilities of all causes, *none* and [`UNKNOWN`] among them.
@@ -303,9 +321,20 @@ mod tests {
                     exaggerated * (2.0 * (normal + if cause == truth { 2.0 } else { 0.0 }) - 2.0)
                 };
                 let evidence = ["a", "b"].map(|cause| (cause.to_owned(), nats(cause, &mut rng)));
-                Case { truth: truth.to_owned(), evidence: evidence.into(), absorbed_nats: None }
+                Case { truth: truth.to_owned(), evidence: evidence.into(), absorbed_nats: None, off_by: None }
             })
             .collect()
+    }
+
+    #[test]
+    fn intervals_are_stretched_until_nine_in_ten_planted_sizes_lie_in_them() {
+        let mut of = cases(200, 1.0, 3);
+        for (i, case) in of.iter_mut().enumerate() {
+            case.off_by = Some(i as f64 / 50.0);
+        }
+        let [low, high] = Calibration::learn(&of).interval(10.0, [9.0, 12.0]);
+        assert!((low - (10.0 - 3.58)).abs() < 1e-9 && (high - (10.0 + 2.0 * 3.58)).abs() < 1e-9, "{low} {high}");
+        assert_eq!(Calibration::learn(&of[..10]).interval(10.0, [9.0, 12.0]), [9.0, 12.0]);
     }
 
     #[test]

@@ -73,7 +73,7 @@ impl Diagnoser<'_> {
             schema: SCHEMA,
             verdict,
             places: better.map_or_else(Vec::new, |better| places(judge, base, &better)),
-            which: causes(&findings, &ranked, best.as_deref(), block.as_deref(), adequacy_p),
+            which: self.causes(&findings, &ranked, best.as_deref(), block.as_deref(), adequacy_p),
             next_experiment: (verdict == Verdict::Tied).then(|| next_experiment(judge, &findings, &set90)).flatten(),
             set90: set90.iter().map(|cause| split(cause)).collect(),
             cannot_tell_apart,
@@ -92,6 +92,39 @@ impl Diagnoser<'_> {
         self.calibration.adequacy_p(absorbed_nats(&findings.blocks))
     }
 
+    fn causes(
+        &self,
+        findings: &Findings,
+        ranked: &[(&String, f64)],
+        best: Option<&str>,
+        block: Option<&str>,
+        adequacy_p: Option<f64>,
+    ) -> Vec<Cause> {
+        let evidence = findings.evidence();
+        let of_block = block.and_then(|block| findings.block(block)).map_or(0.0, |block| block.evidence_nats);
+        let worth = |cause: &str, p: f64| p > NEGLIGIBLE || cause == NONE || cause == UNKNOWN;
+        let cause = |cause: &str, probability: f64| {
+            let planted = findings.planted(cause);
+            let is_unknown = cause == UNKNOWN;
+            Cause {
+                effects: split(cause),
+                probability,
+                evidence_nats: if is_unknown { of_block } else { evidence.get(cause).copied().unwrap_or(0.0) },
+                adequacy_p: adequacy_p.filter(|_| best == Some(cause)),
+                place: planted.first().map(|(planted, _)| planted.variant.place().name().to_owned()),
+                block: block.filter(|_| is_unknown).map(str::to_owned),
+                behaves_like: best.filter(|_| is_unknown).map(str::to_owned),
+                parameters: planted
+                    .iter()
+                    .flat_map(|(planted, interval)| {
+                        estimates(planted, self.calibration.interval(planted.size, *interval))
+                    })
+                    .collect(),
+            }
+        };
+        ranked.iter().filter(|(name, p)| worth(name, *p)).map(|(name, p)| cause(name, *p)).collect()
+    }
+
     /// By `NAME.PARAM`, over the kinds of each effect the easiest to see.
     fn smallest_visible(&self, judge: &dyn Judge) -> BTreeMap<String, f64> {
         let nominal = judge.read(&judge.numbers(&[]));
@@ -104,33 +137,6 @@ impl Diagnoser<'_> {
         }
         smallest
     }
-}
-
-fn causes(
-    findings: &Findings,
-    ranked: &[(&String, f64)],
-    best: Option<&str>,
-    block: Option<&str>,
-    adequacy_p: Option<f64>,
-) -> Vec<Cause> {
-    let evidence = findings.evidence();
-    let of_block = block.and_then(|block| findings.block(block)).map_or(0.0, |block| block.evidence_nats);
-    let worth = |cause: &str, p: f64| p > NEGLIGIBLE || cause == NONE || cause == UNKNOWN;
-    let cause = |cause: &str, probability: f64| {
-        let planted = findings.planted(cause);
-        let is_unknown = cause == UNKNOWN;
-        Cause {
-            effects: split(cause),
-            probability,
-            evidence_nats: if is_unknown { of_block } else { evidence.get(cause).copied().unwrap_or(0.0) },
-            adequacy_p: adequacy_p.filter(|_| best == Some(cause)),
-            place: planted.first().map(|(planted, _)| planted.variant.place().name().to_owned()),
-            block: block.filter(|_| is_unknown).map(str::to_owned),
-            behaves_like: best.filter(|_| is_unknown).map(str::to_owned),
-            parameters: planted.iter().flat_map(|(planted, interval)| estimates(planted, *interval)).collect(),
-        }
-    };
-    ranked.iter().filter(|(name, p)| worth(name, *p)).map(|(name, p)| cause(name, *p)).collect()
 }
 
 fn split(cause: &str) -> Vec<String> {

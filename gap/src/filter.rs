@@ -8,10 +8,10 @@ use std::f64::consts::TAU;
 
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{exp, ln, sin_cos};
-use nalgebra::{Matrix2, Matrix2x3, Matrix3, RowVector3, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, RowVector3, SMatrix, SVector, Vector2, Vector3};
 
 use crate::columns::Group;
-use crate::memory::{Memory, Recall};
+use crate::memory::Memory;
 use crate::shape::{Numbers, Shape, Sight, speed_class};
 use crate::view::{Seen, View};
 
@@ -22,6 +22,53 @@ pub struct Belief {
     pub mean: Vector3<f64>,
     /// Covariance.
     pub covariance: Matrix3<f64>,
+}
+
+/// A pose, and after it, where anything sways, the sways of sizes and of bearings at this frame and the one before.
+#[derive(Clone, Copy, Debug)]
+struct State<const N: usize> {
+    mean: SVector<f64, N>,
+    covariance: SMatrix<f64, N, N>,
+}
+
+/// Where a state holds the sways of sizes and of bearings.
+const SWAYS: [usize; 2] = [3, 5];
+/// Numbers of a state with sways, and of one without.
+const SWAYING: usize = 7;
+const STEADY: usize = 3;
+/// A sway is not followed over a gap of so many frames.
+const GAP: f64 = 2.5;
+
+impl<const N: usize> State<N> {
+    fn new(belief: &Belief, memory: &Memory) -> Self {
+        let mut mean = SVector::<f64, N>::zeros();
+        let mut covariance = SMatrix::<f64, N, N>::zeros();
+        mean.fixed_rows_mut::<3>(0).copy_from(&belief.mean);
+        covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&belief.covariance);
+        let mut state = Self { mean, covariance };
+        state.forget_sways(memory);
+        state
+    }
+
+    fn belief(&self) -> Belief {
+        Belief {
+            mean: self.mean.fixed_rows::<3>(0).into_owned(),
+            covariance: self.covariance.fixed_view::<3, 3>(0, 0).into_owned(),
+        }
+    }
+
+    /// Of the sways nothing is known but how they are distributed.
+    fn forget_sways(&mut self, memory: &Memory) {
+        for (at, sway) in SWAYS.into_iter().zip(&memory.sways).filter(|(at, _)| *at < N) {
+            for i in [at, at + 1] {
+                self.mean[i] = 0.0;
+                self.covariance.row_mut(i).fill(0.0);
+                self.covariance.column_mut(i).fill(0.0);
+            }
+            let [var, next] = sway.correlations::<2>().map(|r| sway.share * r);
+            self.covariance.fixed_view_mut::<2, 2>(at, at).copy_from(&Matrix2::new(var, next, next, var));
+        }
+    }
 }
 
 /// What one sighting said.
@@ -83,7 +130,7 @@ struct Ready<'a> {
     seen: Vec<f64>,
     size_columns: Vec<f64>,
     bearing_columns: Vec<f64>,
-    recall: Recall,
+    memory: Memory,
 }
 
 /// Walks through steps `of` of a log from a belief, and leaves the belief as it stands afterwards. What is missed
@@ -98,25 +145,12 @@ pub fn filter(
     belief: &mut Belief,
     counted: &[bool],
 ) -> Filtered {
-    let mut ready = Ready::new(shape, numbers, memory, view);
-    let mut filtered = Filtered { visits: vec![0.0; shape.width(Numbers::Detection)], ..Filtered::default() };
-    for i in of {
-        if view.steps[i].dt_s > 0.0 {
-            ready.predict(view, i, belief);
-        }
-        let n = view.landmarks.len();
-        let counted = counted.get(i * n..(i + 1) * n).unwrap_or(UNCOUNTED);
-        let (mut log_likelihood, mut expected) = ready.detection(view, i, belief, counted, &mut filtered.visits);
-        for seen in view.steps[i].seen.clone() {
-            log_likelihood += ready.update(view, i, seen, belief, &mut filtered.innovations);
-            // The entropy of a Gaussian: 1 for its two squares, and its scales.
-            let scales = filtered.innovations.last().map_or(0.0, |it| it.ln_scale[0] + it.ln_scale[1]);
-            expected += 1.0 + ln(TAU) + scales - ready.ln_genuine;
-        }
-        filtered.log_likelihoods.push(log_likelihood);
-        filtered.expected.push(expected);
+    let mut ready = Ready::new(shape, numbers, memory);
+    if memory.sways() {
+        ready.walk::<SWAYING>(view, of, belief, counted)
+    } else {
+        ready.walk::<STEADY>(view, of, belief, counted)
     }
-    filtered
 }
 
 /// Which landmarks' being seen or missed says something: those that lie two standard deviations of the pose away
@@ -125,24 +159,26 @@ pub fn filter(
 pub fn counted(shape: &Shape, numbers: &[f64], view: &View, begin: usize, belief: &mut Belief) -> Counted {
     let landmarks = view.landmarks.len();
     let mut counted = vec![false; view.steps.len() * landmarks];
-    let mut ready = Ready::new(shape, numbers, Memory::default(), view);
+    let mut ready = Ready::new(shape, numbers, Memory::default());
+    let mut state = State::<STEADY>::new(belief, &Memory::default());
     let mut unread = Vec::new();
     for i in begin..view.steps.len() {
         if view.steps[i].dt_s > 0.0 {
-            ready.predict(view, i, belief);
+            ready.predict(view, i, &mut state);
         }
         for landmark in 0..landmarks {
-            counted[i * landmarks + landmark] = view.misses && ready.is_clear(view, i, landmark, belief);
+            counted[i * landmarks + landmark] = view.misses && ready.is_clear(view, i, landmark, &state.belief());
         }
         for seen in view.steps[i].seen.clone() {
-            ready.update(view, i, seen, belief, &mut unread);
+            ready.update(view, i, seen, &mut state, &mut unread);
         }
     }
+    *belief = state.belief();
     counted
 }
 
 impl<'a> Ready<'a> {
-    fn new(shape: &'a Shape, numbers: &'a [f64], memory: Memory, view: &View) -> Self {
+    fn new(shape: &'a Shape, numbers: &'a [f64], memory: Memory) -> Self {
         let part = |group| &numbers[shape.range(group)];
         let logistic = |x: f64| 1.0 / (1.0 + exp(-x));
         let squares = |group| part(group).iter().map(|it| exp(2.0 * it)).collect::<Vec<_>>();
@@ -160,7 +196,7 @@ impl<'a> Ready<'a> {
             seen: part(Numbers::Detection).iter().map(|it| logistic(*it)).collect(),
             size_columns: vec![0.0; shape.width(Numbers::Size)],
             bearing_columns: vec![0.0; shape.width(Numbers::Bearing)],
-            recall: Recall::new(memory, view.landmarks.len()),
+            memory,
         }
     }
 
@@ -182,19 +218,71 @@ impl<'a> Ready<'a> {
         })
     }
 
-    fn predict(&self, view: &View, i: usize, belief: &mut Belief) {
-        let [right, forward, turn] = self.displacement(view, i, belief.mean.z);
-        let (sin, cos) = sin_cos(belief.mean.z);
+    fn walk<const N: usize>(
+        &mut self,
+        view: &View,
+        of: std::ops::Range<usize>,
+        belief: &mut Belief,
+        counted: &[bool],
+    ) -> Filtered {
+        let visits = vec![0.0; self.shape.width(Numbers::Detection)];
+        let mut filtered = Filtered { visits, ..Filtered::default() };
+        let mut state = State::<N>::new(belief, &self.memory);
+        for i in of {
+            if view.steps[i].dt_s > 0.0 {
+                self.predict(view, i, &mut state);
+            }
+            let n = view.landmarks.len();
+            let counted = counted.get(i * n..(i + 1) * n).unwrap_or(UNCOUNTED);
+            let visits = &mut filtered.visits;
+            let (mut log_likelihood, mut expected) = self.detection(view, i, &state.belief(), counted, visits);
+            for seen in view.steps[i].seen.clone() {
+                log_likelihood += self.update(view, i, seen, &mut state, &mut filtered.innovations);
+                // The entropy of a Gaussian: 1 for its two squares, and its scales.
+                let scales = filtered.innovations.last().map_or(0.0, |it| it.ln_scale[0] + it.ln_scale[1]);
+                expected += 1.0 + ln(TAU) + scales - self.ln_genuine;
+            }
+            filtered.log_likelihoods.push(log_likelihood);
+            filtered.expected.push(expected);
+        }
+        *belief = state.belief();
+        filtered
+    }
+
+    fn predict<const N: usize>(&self, view: &View, i: usize, state: &mut State<N>) {
+        let theta_rad = state.mean[2];
+        let [right, forward, turn] = self.displacement(view, i, theta_rad);
+        let (sin, cos) = sin_cos(theta_rad);
         let rotation = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
-        let mut f = Matrix3::identity();
+        let mut f = SMatrix::<f64, N, N>::identity();
         f[(0, 2)] = -sin * right - cos * forward;
         f[(1, 2)] = cos * right - sin * forward;
-        belief.mean += rotation * Vector3::new(right, forward, turn);
-        belief.mean.z = wrap_rad(belief.mean.z);
+        let moved = rotation * Vector3::new(right, forward, turn);
+        for (axis, moved) in moved.iter().enumerate() {
+            state.mean[axis] += moved;
+        }
+        state.mean[2] = wrap_rad(state.mean[2]);
         let class = 3 * speed_class(view.steps[i].attempt);
         let q = Vector3::from_fn(|axis, _| view.steps[i].dt_s * self.variances[class + axis]);
-        belief.covariance =
-            f * belief.covariance * f.transpose() + rotation * Matrix3::from_diagonal(&q) * rotation.transpose();
+        let q = rotation * Matrix3::from_diagonal(&q) * rotation.transpose();
+        let gap = view.steps[i].dt_s > GAP * self.memory.frame_s;
+        if gap {
+            state.forget_sways(&self.memory);
+        }
+        for (at, sway) in SWAYS.into_iter().zip(&self.memory.sways).filter(|(at, _)| *at < N && !gap) {
+            let now = sway.on[0] * state.mean[at] + sway.on[1] * state.mean[at + 1];
+            (state.mean[at], state.mean[at + 1]) = (now, state.mean[at]);
+            f[(at, at)] = sway.on[0];
+            f[(at, at + 1)] = sway.on[1];
+            f[(at + 1, at)] = 1.0;
+            f[(at + 1, at + 1)] = 0.0;
+        }
+        state.covariance = f * state.covariance * f.transpose();
+        let mut of_pose = state.covariance.fixed_view_mut::<3, 3>(0, 0);
+        of_pose += q;
+        for (at, sway) in SWAYS.into_iter().zip(&self.memory.sways).filter(|(at, _)| *at < N && !gap) {
+            state.covariance[(at, at)] += sway.fresh_var();
+        }
     }
 
     /// The logarithm of the probability of what was seen and what was missed, and what is expected of minus it.
@@ -266,38 +354,40 @@ impl<'a> Ready<'a> {
     }
 
     /// Takes one sighting in, and gives its log-likelihood.
-    fn update(&mut self, view: &View, i: usize, seen: usize, belief: &mut Belief, into: &mut Vec<Innovation>) -> f64 {
+    fn update<const N: usize>(
+        &mut self,
+        view: &View,
+        i: usize,
+        seen: usize,
+        state: &mut State<N>,
+        into: &mut Vec<Innovation>,
+    ) -> f64 {
         let Seen { landmark, size, bearing_rad } = view.seen[seen];
-        let sight = self.sight(view, i, landmark, belief);
-        let mut slopes = [0.0; 4];
-        self.shape.size_columns(&sight, &mut self.size_columns, &mut slopes);
-        self.shape.bearing_columns(&sight, &mut self.bearing_columns);
-        let (for_size, for_bearing) = (&self.numbers[self.size.clone()], &self.numbers[self.bearing.clone()]);
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
-        let slope = dot(&slopes[..self.shape.curve_width()], for_size);
-        let plain = Vector2::new(
-            size - dot(&self.size_columns, for_size),
-            wrap_rad(bearing_rad - sight.bearing_rad - dot(&self.bearing_columns, for_bearing)),
-        );
-
-        let d = sight.distance_m.max(0.05);
-        let [ux, uy] = self.towards(view, landmark, belief).map(|it| it / d);
-        // Derivatives of the distance, and of the bearing.
-        let (far, off) = (RowVector3::new(-ux, -uy, 0.0), RowVector3::new(uy / d, -ux / d, -1.0));
-        let [size_by_off, bearing_by_off] = self.shape.off_slopes(&sight, for_size, for_bearing);
-        let h = Matrix2x3::from_rows(&[slope * far + size_by_off * off, (1.0 + bearing_by_off) * off]);
+        let belief = state.belief();
+        let sight = self.sight(view, i, landmark, &belief);
+        let (expected, of_pose) = self.expected(view, &sight, &belief);
         let band = self.shape.band(sight.distance_m);
-        let r = Matrix2::from_diagonal(&Vector2::new(self.size_vars[band], self.bearing_vars[band]));
-        let s = h * belief.covariance * h.transpose() + r;
+        let vars = [self.size_vars[band], self.bearing_vars[band]];
+        let mut plain = Vector2::new(size - expected[0], wrap_rad(bearing_rad - expected[1]));
+        let mut h = SMatrix::<f64, 2, N>::zeros();
+        h.fixed_view_mut::<2, 3>(0, 0).copy_from(&of_pose);
+        for (k, at) in SWAYS.into_iter().enumerate().filter(|(_, at)| *at < N) {
+            h[(k, at)] = vars[k].sqrt();
+            plain[k] -= h[(k, at)] * state.mean[at];
+        }
+        let white_var = |k: usize| vars[k] * (1.0 - self.memory.sways[k].share);
+        let r = Matrix2::from_diagonal(&Vector2::new(white_var(0), white_var(1)));
+        let s = h * state.covariance * h.transpose() + r;
         let Some(cholesky) = s.cholesky() else {
             let lost = [f64::NAN; 2];
             into.push(Innovation { step: i, seen, plain: lost, white: lost, ln_scale: [0.0; 2], genuine: 0.0 });
             return f64::NEG_INFINITY;
         };
         let l = cholesky.l();
+        let spread = self.memory.spread;
         let now = [plain.x / l[(0, 0)], (plain.y - l[(1, 0)] * plain.x / l[(0, 0)]) / l[(1, 1)]];
-        let (white, scales) = self.recall.fresh(landmark, i, now);
-        let ln_scale = [ln(l[(0, 0)]) + scales[0], ln(l[(1, 1)]) + scales[1]];
+        let white = [now[0] / spread[0], now[1] / spread[1]];
+        let ln_scale = [ln(l[(0, 0)] * spread[0]), ln(l[(1, 1)] * spread[1])];
         let squares = white[0] * white[0] + white[1] * white[1];
         let density = self.ln_genuine - 0.5 * squares - ln(TAU) - ln_scale[0] - ln_scale[1];
         let off_rad = wrap_rad(bearing_rad - view.steps[i].pan_rad);
@@ -306,20 +396,34 @@ impl<'a> Ready<'a> {
         let log_likelihood = greater + ln(exp(density - greater) + exp(elsewhere - greater));
         let genuine = exp(density - log_likelihood);
         into.push(Innovation { step: i, seen, plain: plain.into(), white, ln_scale, genuine });
-        if genuine > 0.5 {
-            self.recall.take(landmark, i, now);
-        }
-        // A sighting of something else leaves the pose as it is, and nobody knows for sure which it was (probabilistic data
-        // association, Bar-Shalom and Tse 1975).
-        let gain = belief.covariance * h.transpose() * cholesky.inverse();
+        // A sighting of something else leaves the state as it is, and nobody knows for sure which it was (probabilistic
+        // data association, Bar-Shalom and Tse 1975).
+        let gain = state.covariance * h.transpose() * cholesky.inverse();
         let step = gain * plain;
-        belief.mean += genuine * step;
-        belief.mean.z = wrap_rad(belief.mean.z);
-        let kept = Matrix3::identity() - gain * h;
+        state.mean += genuine * step;
+        state.mean[2] = wrap_rad(state.mean[2]);
+        let kept = SMatrix::<f64, N, N>::identity() - gain * h;
         // Joseph's form keeps the covariance symmetric and positive.
-        let updated = kept * belief.covariance * kept.transpose() + gain * r * gain.transpose();
+        let updated = kept * state.covariance * kept.transpose() + gain * r * gain.transpose();
         let apart = (genuine * (1.0 - genuine)) * step * step.transpose();
-        belief.covariance = genuine * updated + (1.0 - genuine) * belief.covariance + apart;
+        state.covariance = genuine * updated + (1.0 - genuine) * state.covariance + apart;
         log_likelihood
+    }
+
+    /// Size and bearing to be expected, and their derivatives with respect to the pose.
+    fn expected(&mut self, view: &View, sight: &Sight, belief: &Belief) -> ([f64; 2], SMatrix<f64, 2, 3>) {
+        let mut slopes = [0.0; 4];
+        self.shape.size_columns(sight, &mut self.size_columns, &mut slopes);
+        self.shape.bearing_columns(sight, &mut self.bearing_columns);
+        let (for_size, for_bearing) = (&self.numbers[self.size.clone()], &self.numbers[self.bearing.clone()]);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
+        let slope = dot(&slopes[..self.shape.curve_width()], for_size);
+        let expected = [dot(&self.size_columns, for_size), sight.bearing_rad + dot(&self.bearing_columns, for_bearing)];
+        let d = sight.distance_m.max(0.05);
+        let [ux, uy] = self.towards(view, sight.landmark, belief).map(|it| it / d);
+        // Derivatives of the distance, and of the bearing.
+        let (far, off) = (RowVector3::new(-ux, -uy, 0.0), RowVector3::new(uy / d, -ux / d, -1.0));
+        let [size_by_off, bearing_by_off] = self.shape.off_slopes(sight, for_size, for_bearing);
+        (expected, SMatrix::from_rows(&[slope * far + size_by_off * off, (1.0 + bearing_by_off) * off]))
     }
 }

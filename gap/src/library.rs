@@ -8,7 +8,8 @@ use asami_sim::world;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::fit::{Free, changed, nominal as fitted, shape};
+use crate::blocks::polished;
+use crate::fit::{Free, changed, nominal as fitted, remembered, shape};
 use crate::judge::Judge;
 use crate::memory::Memory;
 use crate::nominal::{CannotPlay, Nominal};
@@ -53,6 +54,9 @@ impl Budget {
 /// Seeds of a library's runs begin here: no case is ever given one of them.
 const FIRST_SEED: u64 = 7_000_000_000;
 
+/// Of so many nominal logs the likelihood is made greatest.
+const POLISHED: usize = 16;
+
 /// The nominal response, and what effects change of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Library {
@@ -69,6 +73,8 @@ pub struct Base {
     pub shape: Shape,
     /// The numbers.
     pub numbers: Vec<f64>,
+    /// What the runs with their truth show of them, from which effects' changes are counted.
+    fitted: Vec<f64>,
     /// How innovations hang on those before them.
     pub memory: Memory,
 }
@@ -138,17 +144,36 @@ impl Base {
         let shape = shape(runs)?;
         let shape = Shape { columns: shape.columns.knowing(&fitted(&shape, runs)), ..shape };
         let numbers = fitted(&shape, runs);
-        let mut base = Self { shape, numbers, memory: Memory::default() };
-        base.memory = base.remembered(runs);
+        let memory = remembered(&shape, &numbers, runs);
+        let mut base = Self { shape, fitted: numbers.clone(), numbers, memory };
+        base.memory.spread = base.spread(runs);
+        base.numbers = base.polished(runs);
+        base.memory.spread = [1.0; 2];
+        base.memory.spread = base.spread(runs);
         Some(base)
     }
 
-    /// The memory of the nominal innovations.
-    fn remembered(&self, runs: &[Dataset]) -> Memory {
+    /// The numbers that make nominal logs most likely in their timing: how a head that follows a landmark answers to a sway
+    /// shows in what a filter expects, and not in runs with their truth.
+    fn polished(&self, runs: &[Dataset]) -> Vec<f64> {
         let alone = Library { base: self.clone(), entries: Vec::new() };
-        let judges: Vec<Sighted<'_>> = runs.iter().filter_map(|run| Sighted::new(&run.log, &alone).ok()).collect();
-        let filtered: Vec<_> = judges.iter().map(|judge| judge.filtered(&self.numbers).innovations).collect();
-        Memory::learn(judges.iter().zip(&filtered).map(|(judge, of)| (&judge.view, of.as_slice())))
+        let judges: Vec<Sighted<'_>> =
+            runs.iter().take(POLISHED).filter_map(|run| Sighted::new(&run.log, &alone).ok()).collect();
+        let judges: Vec<&dyn Judge> = judges.iter().map(|judge| judge as &dyn Judge).collect();
+        polished(&judges, &self.numbers, "timing")
+    }
+
+    /// How far the nominal logs' innovations scatter, once sways are taken into account.
+    fn spread(&self, runs: &[Dataset]) -> [f64; 2] {
+        let alone = Library { base: self.clone(), entries: Vec::new() };
+        let (mut squares, mut n) = ([0.0; 2], 0.0);
+        for judge in runs.iter().filter_map(|run| Sighted::new(&run.log, &alone).ok()) {
+            for it in judge.filtered(&self.numbers).innovations.iter().filter(|it| it.genuine > 0.5) {
+                (0..2).for_each(|k| squares[k] += it.white[k] * it.white[k]);
+                n += 1.0;
+            }
+        }
+        squares.map(|sum| if n > 0.0 { (sum / n).sqrt().max(0.1) } else { 1.0 })
     }
 }
 
@@ -178,27 +203,33 @@ impl Entry {
         let greatest = sizes.last().copied().unwrap_or(1.0);
         runs.iter_mut().for_each(|(size, _)| *size /= greatest);
         let free = Free { wear: variant.block() == Block::Drift };
-        let responses = changed(&base.shape, &base.numbers, &runs, free, run(variant) == Run::Polynomial);
-        let change = |with: Vec<f64>| with.iter().zip(&base.numbers).map(|(with, without)| with - without).collect();
+        let responses = changed(&base.shape, &base.fitted, &runs, free, run(variant) == Run::Polynomial);
+        let change = |with: Vec<f64>| with.iter().zip(&base.fitted).map(|(with, without)| with - without).collect();
         Self { kind: variant.name(), sizes, changes: responses.into_iter().map(change).collect(), run: run(variant) }
     }
 
     /// Adds the change at a size to `numbers`. Logarithms of noise and log-odds run in straight lines always.
     pub fn add(&self, shape: &Shape, size: f64, numbers: &mut [f64]) {
         let n = self.sizes.len();
-        let means = match self.run {
-            Run::Polynomial => self.through(n.saturating_sub(3)..n, size),
+        let straight = self.straight(size, |size| size);
+        // Curves of sensing are learned size by size: between sizes they are what they are there.
+        let (motion, sensing) = match self.run {
+            Run::Polynomial => (self.through(n.saturating_sub(3)..n, size), straight),
             Run::Parabolas => {
                 let above = self.sizes.partition_point(|it| *it < size).clamp(1, n - 1);
-                self.through(above - 1..above + 1, size)
+                let through = self.through(above - 1..above + 1, size);
+                (through.clone(), through)
             }
-            Run::Straight => self.straight(size, |size| size),
+            Run::Straight => (straight.clone(), straight),
         };
         // Log-odds of shares and logarithms of noise go rather with the size's own logarithm.
         let rest = self.straight(size, ln);
         for group in ORDER {
-            let is_mean = matches!(group, Numbers::Motion | Numbers::Size | Numbers::Bearing | Numbers::Moved);
-            let weights = if is_mean { &means } else { &rest };
+            let weights = match group {
+                Numbers::Motion => &motion,
+                Numbers::Size | Numbers::Bearing | Numbers::Moved => &sensing,
+                _ => &rest,
+            };
             for (weight, change) in weights.iter().zip(&self.changes).filter(|(weight, _)| **weight != 0.0) {
                 let of = shape.range(group);
                 for (number, change) in numbers[of.clone()].iter_mut().zip(&change[of]) {

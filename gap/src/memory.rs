@@ -1,163 +1,166 @@
-//! How far innovations scatter, and how one hangs on those before it: a gait sways the camera from frame to frame.
+//! How a sighting's noise hangs on the noise before it: a gait sways the camera from frame to frame.
 //!
-//! An autoregression of second order (Yule 1927, Walker 1931) on the innovations before, of sizes those of the same
-//! landmark in the two frames before, of bearings those of any landmark, since the head and the heading are common to
-//! all. It is learned with the innovations' spread from the nominal world's own logs and then frozen: unmodelled,
-//! swaying makes false causes out of nothing.
+//! The noise of sizes, and that of bearings, is a sway that all sightings share, an autoregression of second order (Yule
+//! 1927, Walker 1931), and white noise on top. Both are learned from the nominal world's own logs, whose truth is known,
+//! and then frozen: a sway that is taken for white noise makes false causes out of nothing, and is not noise enough to
+//! follow it where it is slow.
 
-use asami_math::elementary::ln;
 use serde::{Deserialize, Serialize};
 
-use crate::filter::Innovation;
-use crate::view::View;
-
-/// Spread and autocorrelations of whitened innovations, sizes' and bearings'.
+/// The sways of sizes and of bearings, and how far innovations scatter once they are taken into account.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
-    /// Standard deviations: 1 where the filter's own covariance says all.
-    spread: [f64; 2],
-    /// One and two back.
-    correlations: [[f64; 2]; 2],
+    /// Sizes' and bearings'.
+    pub sways: [Sway; 2],
+    /// Standard deviations of whitened innovations: 1 where the filter's own covariance says all.
+    pub spread: [f64; 2],
+    /// Time from frame to frame, in seconds.
+    pub frame_s: f64,
 }
+
+/// A sway: `s_t = p s_(t-1) + q s_(t-2) + e_t`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sway {
+    /// Its variance, as a share of all noise.
+    pub share: f64,
+    /// On one and two frames before.
+    pub on: [f64; 2],
+}
+
+/// Lags, in frames, at which noise is held against itself.
+const LAGS: usize = 8;
+/// A sway of a smaller share than this is none.
+const LEAST_SHARE: f64 = 0.05;
+/// Greatest modulus of a sway's roots.
+const GREATEST_ROOT: f64 = 0.98;
 
 impl Default for Memory {
     fn default() -> Self {
-        Self { spread: [1.0; 2], correlations: [[0.0; 2]; 2] }
+        Self { sways: [Sway::default(); 2], spread: [1.0; 2], frame_s: 0.0 }
     }
-}
-
-/// The last two innovations of a channel, for as long as there is one in every frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Past {
-    step: usize,
-    last: Option<f64>,
-    before: Option<f64>,
-}
-
-impl Past {
-    /// What counts as the past at a step: this frame and the one before.
-    fn at(self, step: usize) -> Self {
-        if self.last.is_some() && self.step + 1 >= step { self } else { Self::default() }
-    }
-
-    fn then(self, step: usize, value: f64) -> Self {
-        Self { step, last: Some(value), before: self.at(step).last }
-    }
-}
-
-/// A memory at work: what it has seen of each landmark's size, and of bearings.
-#[derive(Clone, Debug)]
-pub struct Recall {
-    memory: Memory,
-    sizes: Vec<Past>,
-    bearing: Past,
 }
 
 impl Memory {
-    /// The memory in these innovations.
+    /// Whether anything sways at all.
     #[must_use]
-    pub fn learn<'a>(logs: impl Iterator<Item = (&'a View, &'a [Innovation])>) -> Self {
-        let (mut products, mut squares) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
-        let (mut sum, mut n) = ([0.0; 2], 0.0);
-        for (view, innovations) in logs {
-            let mut recall = Recall::new(Self::default(), view.landmarks.len());
-            for it in innovations.iter().filter(|it| it.genuine > 0.5) {
-                let landmark = view.seen[it.seen].landmark;
-                for (k, past) in recall.past(landmark, it.step).into_iter().enumerate() {
-                    for (lag, then) in [past.last, past.before].into_iter().enumerate() {
-                        let Some(then) = then else { continue };
-                        products[k][lag] += it.white[k] * then;
-                        squares[k][lag] += 0.5 * (it.white[k] * it.white[k] + then * then);
-                    }
-                    sum[k] += it.white[k] * it.white[k];
-                }
-                n += 1.0;
-                recall.take(landmark, it.step, it.white);
-            }
-        }
-        let share = |k: usize, lag: usize| (products[k][lag] / f64::max(squares[k][lag], 1e-9)).clamp(-0.95, 0.95);
-        let spread = sum.map(|sum| if n > 0.0 { (sum / n).sqrt().max(0.1) } else { 1.0 });
-        Self { spread, correlations: [0, 1].map(|k| [0, 1].map(|lag| share(k, lag))) }
-    }
-
-    /// Mean and variance of a whitened innovation of channel `k` after those before it.
-    fn after(&self, k: usize, past: &Past) -> (f64, f64) {
-        let [r1, r2] = self.correlations[k];
-        match (past.last, past.before) {
-            (Some(last), Some(before)) => {
-                let (a, b) = (r1 * (1.0 - r2) / (1.0 - r1 * r1), (r2 - r1 * r1) / (1.0 - r1 * r1));
-                (a * last + b * before, (1.0 - a * r1 - b * r2).max(0.05))
-            }
-            (Some(last), None) => (r1 * last, 1.0 - r1 * r1),
-            _ => (0.0, 1.0),
-        }
+    pub fn sways(&self) -> bool {
+        self.sways.iter().any(|sway| sway.share > 0.0)
     }
 }
 
-impl Recall {
-    /// Nothing seen yet.
+impl Sway {
+    /// The sway in runs of noise of variance 1, frame by frame; `None` where nothing was seen.
     #[must_use]
-    pub fn new(memory: Memory, landmarks: usize) -> Self {
-        Self { memory, sizes: vec![Past::default(); landmarks], bearing: Past::default() }
-    }
-
-    /// What is left of an innovation once the past is taken away, again of variance 1, and the logarithms of the
-    /// scales by which that was reached.
-    #[must_use]
-    pub fn fresh(&self, landmark: usize, step: usize, white: [f64; 2]) -> ([f64; 2], [f64; 2]) {
-        let (mut fresh, mut scales) = ([0.0; 2], [0.0; 2]);
-        for (k, past) in self.past(landmark, step).into_iter().enumerate() {
-            let (mean, variance) = self.memory.after(k, &past);
-            let spread = self.memory.spread[k];
-            fresh[k] = (white[k] - mean) / (spread * variance.sqrt());
-            scales[k] = ln(spread) + 0.5 * ln(variance);
+    pub fn learn(runs: &[Vec<Option<f64>>]) -> Self {
+        let (mut squares, mut n) = (0.0, 0.0);
+        let (mut products, mut counts) = ([0.0; LAGS + 1], [0.0; LAGS + 1]);
+        for run in runs {
+            for (i, now) in run.iter().enumerate().filter_map(|(i, it)| Some((i, (*it)?))) {
+                squares += now * now;
+                n += 1.0;
+                for lag in 1..=LAGS.min(i) {
+                    if let Some(then) = run[i - lag] {
+                        products[lag] += now * then;
+                        counts[lag] += 1.0;
+                    }
+                }
+            }
         }
-        (fresh, scales)
+        let variance = squares / f64::max(n, 1.0);
+        let mut r = [0.0; LAGS + 1];
+        for lag in 1..=LAGS {
+            r[lag] = products[lag] / f64::max(counts[lag], 1.0) / variance.max(1e-12);
+        }
+        Self::of(&r).unwrap_or_default()
     }
 
-    /// Remembers a genuine innovation.
-    pub fn take(&mut self, landmark: usize, step: usize, white: [f64; 2]) {
-        self.sizes[landmark] = self.sizes[landmark].then(step, white[0]);
-        self.bearing = self.bearing.then(step, white[1]);
+    /// The sway of these autocorrelations. White noise is in that of lag 0 alone, so that the equations of Yule and Walker
+    /// hold from lag 3 on.
+    fn of(r: &[f64; LAGS + 1]) -> Option<Self> {
+        let sum = |a: usize, b: usize| (3..=LAGS).fold(0.0, |sum, k| sum + r[k - a] * r[k - b]);
+        let determinant = sum(1, 1) * sum(2, 2) - sum(1, 2) * sum(1, 2);
+        if determinant <= 1e-9 {
+            return None;
+        }
+        let p = (sum(0, 1) * sum(2, 2) - sum(0, 2) * sum(1, 2)) / determinant;
+        let q = (sum(0, 2) * sum(1, 1) - sum(0, 1) * sum(1, 2)) / determinant;
+        // The roots are drawn in until the sway is stationary.
+        let root = if q < 0.0 && p * p + 4.0 * q < 0.0 {
+            (-q).sqrt()
+        } else {
+            0.5 * (p.abs() + (p * p + 4.0 * q).max(0.0).sqrt())
+        };
+        let by = if root > GREATEST_ROOT { GREATEST_ROOT / root } else { 1.0 };
+        let sway = Self { share: 1.0, on: [p * by, q * by * by] };
+        let own = sway.correlations::<{ LAGS + 1 }>();
+        let (fit, norm) = (1..=4).fold((0.0, 0.0), |(fit, norm), k| (fit + r[k] * own[k], norm + own[k] * own[k]));
+        let share = (fit / norm).min(0.95);
+        (share >= LEAST_SHARE).then_some(Self { share, ..sway })
     }
 
-    fn past(&self, landmark: usize, step: usize) -> [Past; 2] {
-        [self.sizes[landmark].at(step), self.bearing.at(step)]
+    /// Its autocorrelations.
+    #[must_use]
+    pub fn correlations<const N: usize>(&self) -> [f64; N] {
+        let [p, q] = self.on;
+        let mut r = [1.0; N];
+        for lag in 1..N {
+            r[lag] = if lag == 1 { p / (1.0 - q) } else { p * r[lag - 1] + q * r[lag - 2] };
+        }
+        r
+    }
+
+    /// Variance of what is new in it from frame to frame.
+    #[must_use]
+    pub fn fresh_var(&self) -> f64 {
+        let [_, r1, r2] = self.correlations::<3>();
+        self.share * (1.0 - self.on[0] * r1 - self.on[1] * r2).max(0.0)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use asami_dataset::Seed;
+    use rand_distr::{Distribution, StandardNormal};
+
     use super::*;
 
-    /// With the textbook's autocorrelations of an AR(2), what is fresh is its own noise.
-    #[test]
-    fn fresh_innovations_of_an_autoregression_are_its_noise() {
-        let (a, b) = (1.2_f64, -0.5_f64);
-        let r1 = a / (1.0 - b);
-        let r2 = a * r1 + b;
-        let sd = (1.0 - a * r1 - b * r2).sqrt();
-        let memory = Memory { correlations: [[r1, r2]; 2], ..Memory::default() };
-        let mut recall = Recall::new(memory, 1);
-        let noise = [0.3, -1.2, 0.7, 2.0, -0.4, 0.1];
-        let (mut x1, mut x2) = (0.5, -0.3);
-        recall.take(0, 0, [x2; 2]);
-        recall.take(0, 1, [x1; 2]);
-        for (i, e) in noise.into_iter().enumerate() {
-            let x = a * x1 + b * x2 + sd * e;
-            let (fresh, scales) = recall.fresh(0, i + 2, [x; 2]);
-            assert!((fresh[0] - e).abs() < 1e-9, "{fresh:?} {e}");
-            assert!((scales[0] - sd.ln()).abs() < 1e-9);
-            recall.take(0, i + 2, [x; 2]);
-            (x2, x1) = (x1, x);
-        }
+    fn noise(sway: Sway, n: usize, seed: u64) -> Vec<Option<f64>> {
+        let mut rng = Seed(seed).stream("memory/test");
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let mut s = [0.0; 2];
+        (0..n)
+            .map(|_| {
+                let now = sway.on[0] * s[0] + sway.on[1] * s[1] + sway.fresh_var().sqrt() * normal();
+                s = [now, s[0]];
+                Some(now + (1.0 - sway.share).sqrt() * normal())
+            })
+            .collect()
     }
 
     #[test]
-    fn a_frame_without_the_landmark_ends_the_past() {
-        let mut recall = Recall::new(Memory { correlations: [[0.8, 0.5]; 2], ..Memory::default() }, 1);
-        recall.take(0, 4, [1.0; 2]);
-        assert!((recall.fresh(0, 5, [0.8; 2]).0[0]).abs() < 1e-12);
-        assert_eq!(recall.fresh(0, 6, [0.8; 2]), ([0.8; 2], [0.0; 2]));
+    fn a_sway_is_found_in_its_own_noise() {
+        // A period of five frames that lasts for a second.
+        let sway = Sway { share: 0.7, on: [0.58, -0.9] };
+        let runs: Vec<_> = (0..8).map(|seed| noise(sway, 3000, seed)).collect();
+        let found = Sway::learn(&runs);
+        assert!((found.share - 0.7).abs() < 0.05, "{found:?}");
+        assert!((found.on[0] - 0.58).abs() < 0.03 && (found.on[1] + 0.9).abs() < 0.03, "{found:?}");
+    }
+
+    #[test]
+    fn white_noise_has_none() {
+        let white = Sway { share: 0.0, on: [0.0; 2] };
+        assert_eq!(Sway::learn(&[noise(white, 20_000, 1)]), Sway::default());
+        assert_eq!(Sway::learn(&[]), Sway::default());
+    }
+
+    #[test]
+    fn what_is_new_makes_up_for_what_fades() {
+        let sway = Sway { share: 0.5, on: [1.1, -0.6] };
+        let [r0, r1, _] = sway.correlations::<3>();
+        let [p, q] = sway.on;
+        // var(p s1 + q s2) + fresh = var s.
+        let again = sway.share * (p * p + q * q + 2.0 * p * q * r1) * r0 + sway.fresh_var();
+        assert!((again - sway.share).abs() < 1e-12, "{again}");
     }
 }

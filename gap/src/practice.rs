@@ -6,6 +6,7 @@ use asami_sim::effects::catalogue;
 use rand::RngExt;
 
 use crate::calibration::{Case, Evidence, NONE, UNKNOWN};
+use crate::evidence::Weighed;
 use crate::findings::{Findings, absorbed_nats};
 use crate::groups::SPLIT_NATS;
 use crate::judge::Judge;
@@ -73,11 +74,22 @@ pub fn practise(
         let rest = findings.without(&*judge, &[name]).evidence();
         if !has_alias(evidence.get(name).copied().unwrap_or(0.0), &rest) {
             let truth = format!("{UNKNOWN}/{}", only.variant.block().name());
-            cases.push(Case { truth, evidence: rest, absorbed_nats: None });
+            cases.push(Case { truth, evidence: rest, absorbed_nats: None, off_by: None });
         }
     }
-    cases.push(Case { truth, evidence, absorbed_nats });
+    let off_by = if let [only] = planted.as_slice() { off_by(&findings, only) } else { None };
+    cases.push(Case { truth, evidence, absorbed_nats, off_by });
     Ok(cases)
+}
+
+/// By how much a planted size lies off the one found, in shares of the interval on that side, where it shows.
+fn off_by(findings: &Findings, planted: &Planted) -> Option<f64> {
+    let same = |it: &&Weighed| it.best.variant == planted.variant && it.evidence_nats > SPLIT_NATS;
+    let found = findings.weighed.iter().find(same)?;
+    let off = planted.size - found.best.size;
+    let [low, high] = found.interval;
+    let room = if off > 0.0 { high - found.best.size } else { found.best.size - low };
+    Some(off.abs() / room.max(1e-3 * found.best.size))
 }
 
 /// Of two effects the one alone, where the log does not show the other beside it: nobody can be asked to name it.

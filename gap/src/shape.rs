@@ -169,6 +169,14 @@ impl Shape {
         columns[extra + 2] = fall * (forward * cos_b - right * sin_b);
     }
 
+    /// Columns, the size's first and then the bearing's, that hang on the angle off the image's centre, with how large their
+    /// numbers may be nominally: a head that follows a landmark sees next to nothing of them.
+    #[must_use]
+    pub fn off_columns(&self) -> [(usize, f64); 3] {
+        let bearing = self.width(Numbers::Size);
+        [(self.curve_width(), 10.0), (bearing + 1, 0.05), (bearing + 2, 0.5)]
+    }
+
     /// Fills the bearing's columns.
     pub fn bearing_columns(&self, sight: &Sight, columns: &mut [f64]) {
         columns.fill(0.0);

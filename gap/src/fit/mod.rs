@@ -9,6 +9,7 @@ use asami_math::angle::wrap_rad;
 use asami_math::elementary::sin_cos;
 
 use crate::columns::{Columns, Group};
+use crate::memory::Memory;
 use crate::shape::{Shape, Sight};
 use crate::view::{CannotSee, View};
 
@@ -69,6 +70,12 @@ pub fn nominal(shape: &Shape, runs: &[Dataset]) -> Vec<f64> {
     sensor::nominal(shape, &runs, &mut numbers);
     sensor::detection(shape, &runs, &mut numbers);
     numbers
+}
+
+/// How the noise of sightings hangs on the noise before it, as runs of the nominal world show.
+#[must_use]
+pub fn remembered(shape: &Shape, numbers: &[f64], runs: &[Dataset]) -> Memory {
+    sensor::memory(shape, &seen(shape, runs), numbers)
 }
 
 /// The responses to an effect at several sizes, in shares of the greatest, as changes of the nominal one: what the runs

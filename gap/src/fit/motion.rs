@@ -62,7 +62,8 @@ pub fn changed(shape: &Shape, runs: &[(f64, Vec<Run>)], free: Free, responses: &
     let of = free_columns(&shape.columns, free.wear);
     let width = shape.columns.len();
     let weights = weights(shape, &base);
-    let powers: &[i32] = if runs.len() > 1 { &[1, 2, 3] } else { &[0] };
+    // Powers of the size, each with what it counts beside the first: effects are nearly as large as their sizes.
+    let powers: &[(i32, f64)] = if runs.len() > 1 { &[(1, 1.0), (2, 0.3), (3, 0.1)] } else { &[(0, 1.0)] };
     let all: Vec<(f64, [Sums; 3])> = runs
         .iter()
         .flat_map(|(share, runs)| runs.iter().map(|run| (*share, sums(shape, run, &of, &base, &weights))))
@@ -72,22 +73,20 @@ pub fn changed(shape: &Shape, runs: &[(f64, Vec<Run>)], free: Free, responses: &
         let of_runs: Vec<Sums> = all
             .iter()
             .map(|(share, sums)| {
-                let scaled = |power: &i32| {
-                    let by = share.powi(*power);
+                let scaled = |(power, counts): &(i32, f64)| {
+                    let by = counts * share.powi(*power);
                     terms.iter().map(move |(_, row)| row.iter().map(|(i, it)| (*i, by * it)).collect())
                 };
                 sums[axis].combined(&powers.iter().flat_map(scaled).collect::<Vec<Vec<_>>>())
             })
             .collect();
-        let groups = terms.iter().map(|(group, _)| group).max().map_or(0, |last| last + 1);
-        let group: Vec<usize> =
-            (0..powers.len()).flat_map(|p| terms.iter().map(move |(group, _)| p * groups + group)).collect();
+        let group: Vec<usize> = powers.iter().flat_map(|_| terms.iter().map(|(group, _)| *group)).collect();
         let found = shrunk(&of_runs, &group);
         for ((share, _), numbers) in runs.iter().zip(responses.iter_mut()) {
-            for (power, found) in powers.iter().zip(found.chunks_exact(terms.len())) {
+            for ((power, counts), found) in powers.iter().zip(found.chunks_exact(terms.len())) {
                 for ((_, row), found) in terms.iter().zip(found) {
                     for (i, it) in row {
-                        numbers[axis * width + of[*i]] += share.powi(*power) * found * it;
+                        numbers[axis * width + of[*i]] += counts * share.powi(*power) * found * it;
                     }
                 }
             }

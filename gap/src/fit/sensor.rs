@@ -7,6 +7,7 @@ use asami_math::elementary::{exp, ln, sin_cos};
 
 use super::motion::moved;
 use super::{Run, dot};
+use crate::memory::{Memory, Sway};
 use crate::shape::{BANDS, Numbers, Shape, Sight};
 use crate::shrink::{Sums, ridged, shrunk};
 
@@ -23,6 +24,7 @@ const ANY_CURVE: f64 = 1e4;
 
 /// A sighting less what the numbers say of it.
 struct Left {
+    step: usize,
     band: usize,
     /// Size, bearing.
     residual: [f64; 2],
@@ -118,7 +120,7 @@ fn each(shape: &Shape, run: &Run, numbers: &[f64], mut with: impl FnMut(&Left, &
             let off_rad = wrap_rad(seen.bearing_rad - step.pan_rad);
             let of_something_else = ln(false_share) + shape.ln_elsewhere(seen.size, off_rad);
             let genuine = 1.0 / (1.0 + exp((of_something_else - of_it).min(700.0)));
-            with(&Left { band, residual, genuine }, &row.of);
+            with(&Left { step: i, band, residual, genuine }, &row.of);
         }
     }
 }
@@ -144,6 +146,13 @@ fn curves(shape: &Shape, runs: &[Run], known: Option<&[f64]>, numbers: &mut [f64
             sums
         })
         .collect();
+    let mut sums = sums;
+    if let (None, Some(first)) = (known, sums.first_mut()) {
+        for (column, prior_sd) in shape.off_columns() {
+            let row: Vec<f64> = (0..width).map(|i| if i == column { 1.0 } else { 0.0 }).collect();
+            first.add(&row, 0.0, 1.0 / (prior_sd * prior_sd));
+        }
+    }
     let curves = shape.width(Numbers::Size) + shape.width(Numbers::Bearing);
     let group: Vec<usize> = (0..width).map(|i| i.min(curves)).collect();
     let found = if known.is_some() { shrunk(&sums, &group) } else { ridged(&sums, ANY_CURVE) };
@@ -181,6 +190,30 @@ fn noise(shape: &Shape, runs: &[Run], known: Option<&[f64]>, numbers: &mut [f64]
     let found = logit((count / f64::max(seen, 1.0)).clamp(LEAST_FALSE, 0.9));
     let i = shape.range(Numbers::False).start;
     numbers[i] = known.map_or(found, |known| moved(known[i], found, 1.0 / (count + 1.0)));
+}
+
+/// The noise's sways, as runs with these numbers show them.
+pub fn memory(shape: &Shape, runs: &[Run], numbers: &[f64]) -> Memory {
+    let noise = [shape.range(Numbers::SizeNoise).start, shape.range(Numbers::BearingNoise).start];
+    let mut noises: [Vec<Vec<Option<f64>>>; 2] = Default::default();
+    let mut frames_s: Vec<f64> = Vec::new();
+    for run in runs {
+        // Of several landmarks in a frame the mean: what sways is common to all.
+        let mut sums = vec![([0.0; 2], 0.0); run.view.steps.len()];
+        each(shape, run, numbers, |left, _| {
+            if left.genuine > 0.5 {
+                let (sum, n) = &mut sums[left.step];
+                (0..2).for_each(|k| sum[k] += left.residual[k] / exp(numbers[noise[k] + left.band]));
+                *n += 1.0;
+            }
+        });
+        for (k, noises) in noises.iter_mut().enumerate() {
+            noises.push(sums.iter().map(|(sum, n)| (*n > 0.0).then(|| sum[k] / n)).collect());
+        }
+        frames_s.extend(run.view.steps.iter().map(|step| step.dt_s).filter(|dt_s| *dt_s > 0.0));
+    }
+    let frame_s = asami_math::statistics::median(&frames_s).unwrap_or(0.0);
+    Memory { sways: [0, 1].map(|k| Sway::learn(&noises[k])), spread: [1.0; 2], frame_s }
 }
 
 /// How often landmarks are seen, by bin.
