@@ -31,6 +31,7 @@ pub mod rivals;
 pub mod shape;
 pub mod shrink;
 pub mod sighted;
+pub mod state;
 pub mod view;
 
 pub use calibration::Calibration;

@@ -6,13 +6,14 @@ use asami_math::elementary::{atan2, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::directions::{Direction, directions};
-use crate::filter::{Belief, Counted, Filtered, UNCOUNTED, counted, filter};
+use crate::filter::{Counted, Filtered, UNCOUNTED, counted, filter};
 use crate::judge::{Channel, Innovation, Judge, Moment, Reading, Regime, Share};
 use crate::library::Library;
 use crate::memory::Memory;
 use crate::plant::{Planted, Variant};
 use crate::regimes::{channels, regimes};
 use crate::shape::{Numbers, Shape, Sight};
+use crate::state::Belief;
 use crate::view::{CannotSee, View};
 
 /// Nothing is scored before the filter has settled.

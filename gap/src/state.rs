@@ -1,0 +1,58 @@
+//! What the filter believes: the pose, and the sways of the sensor.
+
+use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector3};
+
+use crate::memory::Memory;
+
+/// A pose with its covariance: world x, world y, heading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Belief {
+    /// Mean.
+    pub mean: Vector3<f64>,
+    /// Covariance.
+    pub covariance: Matrix3<f64>,
+}
+
+/// A pose, and after it, where anything sways, the sways of sizes and of bearings at this frame and the one before.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct State<const N: usize> {
+    pub(crate) mean: SVector<f64, N>,
+    pub(crate) covariance: SMatrix<f64, N, N>,
+}
+
+/// Where a state holds the sways of sizes and of bearings.
+pub(crate) const SWAYS: [usize; 2] = [3, 5];
+/// Numbers of a state with sways, and of one without.
+pub(crate) const SWAYING: usize = 7;
+pub(crate) const STEADY: usize = 3;
+impl<const N: usize> State<N> {
+    pub(crate) fn new(belief: &Belief, memory: &Memory) -> Self {
+        let mut mean = SVector::<f64, N>::zeros();
+        let mut covariance = SMatrix::<f64, N, N>::zeros();
+        mean.fixed_rows_mut::<3>(0).copy_from(&belief.mean);
+        covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&belief.covariance);
+        let mut state = Self { mean, covariance };
+        state.forget_sways(memory);
+        state
+    }
+
+    pub(crate) fn belief(&self) -> Belief {
+        Belief {
+            mean: self.mean.fixed_rows::<3>(0).into_owned(),
+            covariance: self.covariance.fixed_view::<3, 3>(0, 0).into_owned(),
+        }
+    }
+
+    /// Of the sways nothing is known but how they are distributed.
+    pub(crate) fn forget_sways(&mut self, memory: &Memory) {
+        for (at, sway) in SWAYS.into_iter().zip(&memory.sways).filter(|(at, _)| *at < N) {
+            for i in [at, at + 1] {
+                self.mean[i] = 0.0;
+                self.covariance.row_mut(i).fill(0.0);
+                self.covariance.column_mut(i).fill(0.0);
+            }
+            let [var, next] = sway.correlations::<2>().map(|r| sway.share * r);
+            self.covariance.fixed_view_mut::<2, 2>(at, at).copy_from(&Matrix2::new(var, next, next, var));
+        }
+    }
+}
