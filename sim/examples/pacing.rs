@@ -4,7 +4,7 @@
 //! ```text
 //! cargo run --example pacing            # 15 logs of 300 s
 //! cargo run --example pacing -- 3 60    # 3 of 60 s
-//! cargo run --example pacing -- 15 300 full_lift_speed_m_per_s=0.15 near_height_px=37 far_height_px=10.9
+//! cargo run --example pacing -- 15 300 full_lift_speed_m_per_s=0.15 near_height_px=37 far_height_px=10.9 strata=3
 //! ```
 //!
 //! Further arguments set parameters of the gait and of the policy: those above are of `scenarios/aibo_1d.toml`.
