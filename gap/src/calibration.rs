@@ -59,6 +59,8 @@ pub struct Calibration {
 const PRIOR_NONE: f64 = 0.3;
 /// Prior probability of a cause in nobody's list.
 const PRIOR_UNKNOWN: f64 = 0.1;
+/// Share of cases whose cause is in nobody's list, in what is learned from: a wrong name is worse than none.
+const SHARE_UNKNOWN: f64 = 0.2;
 /// Probability that the evidence misleads altogether, as a library that is wrong somewhere does; without it a few such
 /// cases would have all evidence distrusted.
 const SLIP: f64 = 0.02;
@@ -139,9 +141,8 @@ impl Calibration {
         let none = [(NONE.to_owned(), ln(PRIOR_NONE) + self.beta(NONE))];
         let leader = leader(evidence);
         let score = |(cause, nats): (&String, &f64)| {
-            // What a block explains on top of the leader is small and stays so, however much the leader explains.
-            let (named, beyond) = if is_unknown(cause) { (leader, nats - leader) } else { (*nats, 0.0) };
-            let told = weight * named.clamp(-1e6, 1e9) + self.tau * beyond.clamp(-1e6, 1e9);
+            let (named, beyond) = parts(cause, *nats, leader);
+            let told = weight * named + self.tau * beyond;
             (cause.clone(), ln(prior(cause, singles)) + self.beta(cause) + told)
         };
         let sharp = softmax(evidence.iter().map(score).chain(none).collect());
@@ -195,9 +196,16 @@ fn prior(cause: &str, singles: f64) -> f64 {
     (1.0 - PRIOR_NONE - PRIOR_UNKNOWN) / singles * (0.1 / singles).powi(further)
 }
 
-/// The evidence of the leader, on top of which the blocks were put; 0 of *none*.
+/// The evidence of the leading effect alone; 0 of *none*.
 fn leader(evidence: &Evidence) -> f64 {
-    evidence.iter().filter(|(cause, _)| !is_unknown(cause)).map(|(_, nats)| *nats).fold(0.0, f64::max)
+    evidence.iter().filter(|(cause, _)| is_single(cause)).map(|(_, nats)| *nats).fold(0.0, f64::max)
+}
+
+/// What a single effect says, and what a second one or a block says beyond the leading one: that is small and stays so,
+/// however much the leader explains.
+fn parts(cause: &str, nats: f64, leader: f64) -> (f64, f64) {
+    let nats = nats.clamp(-1e6, 1e9);
+    if is_single(cause) || cause == NONE { (nats, 0.0) } else { (leader, nats - leader) }
 }
 
 fn greatest(evidence: &Evidence) -> f64 {
@@ -251,10 +259,20 @@ fn fit(cases: &[&Case]) -> Calibration {
     read(&at)
 }
 
+/// How much a case whose cause is taken out of the list counts, so that they are as frequent as is wanted:
+/// there is one for each case with one effect.
+fn weight_of_unknown(cases: &[&Case]) -> f64 {
+    let unknown = cases.iter().filter(|case| is_unknown(&case.truth)).count() as f64;
+    let known = cases.len() as f64 - unknown;
+    SHARE_UNKNOWN / (1.0 - SHARE_UNKNOWN) * known / unknown.max(1.0)
+}
+
 /// Gradient of the log-loss, with its penalties.
 fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f64]) -> Vec<f64> {
     let mut slope = vec![0.0; at.len()];
+    let weigh_unknown = weight_of_unknown(cases);
     for case in cases {
+        let counts = if is_unknown(&case.truth) { weigh_unknown } else { 1.0 };
         let probabilities = calibration.by_block(&case.evidence);
         let top = greatest(&case.evidence);
         let fading = 1.0 + calibration.fade * top;
@@ -264,10 +282,9 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
         let told = if of_truth > 0.0 { (of_truth - even) / of_truth } else { 0.0 };
         for (cause, p) in &probabilities {
             let sharp = (p - even) / (1.0 - SLIP);
-            let off = told * (sharp - f64::from(u8::from(*cause == case.truth)));
-            let nats = case.evidence.get(cause).copied().unwrap_or(0.0).clamp(-1e6, 1e9);
-            let of_leader = leader(&case.evidence);
-            let (named, beyond) = if is_unknown(cause) { (of_leader, nats - of_leader) } else { (nats, 0.0) };
+            let off = counts * told * (sharp - f64::from(u8::from(*cause == case.truth)));
+            let nats = case.evidence.get(cause).copied().unwrap_or(0.0);
+            let (named, beyond) = parts(cause, nats, leader(&case.evidence));
             slope[0] += off * calibration.tau * (named / fading + beyond);
             slope[1] -= off * named * calibration.tau * calibration.fade * top / (fading * fading);
             if let Ok(i) = causes.binary_search_by(|it| it.as_str().cmp(class(cause))) {
