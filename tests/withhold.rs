@@ -21,7 +21,7 @@ fn planting(salt: &str, none_share: f64, one_share: f64) -> Planting {
     let Origin::Simulated(nominal) = scenario.origin else { panic!("simulated") };
     let mut nominal = *nominal;
     nominal.duration_s = 8.0;
-    Planting { nominal, salt: salt.to_owned(), mix: Mix { none_share, one_share } }
+    Planting { nominal, salt: salt.to_owned(), mix: Mix { none_share, one_share }, places: Vec::new() }
 }
 
 fn write(planting: &Planting, count: usize, out: &Path) {

@@ -6,7 +6,7 @@ use crate::diagnose::Diagnoser;
 use crate::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
 use crate::groups::Signature;
 use crate::judge::Judge;
-use crate::library::Library;
+use crate::library::Responds;
 use crate::plant::Planted;
 
 /// A log cannot be diagnosed: what it lacks.
@@ -97,7 +97,7 @@ impl Likelihood for ByResponse<'_> {
     }
 }
 
-impl Judges for Library {
+impl<R: Responds> Judges for R {
     fn of<'a>(&'a self, log: &'a Log) -> Result<Box<dyn Likelihood + 'a>, CannotDiagnose> {
         let judge = self.judge(log).map_err(|error| CannotDiagnose(error.to_string()))?;
         Ok(Box::new(ByResponse(judge)))

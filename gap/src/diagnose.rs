@@ -11,7 +11,7 @@ use crate::findings::{Findings, absorbed_nats};
 use crate::groups::{groups, signatures, visible};
 use crate::how_far::how_far;
 use crate::judge::Judge;
-use crate::library::Library;
+use crate::library::Responds;
 use crate::place::places;
 use crate::plant::{Planted, Variant};
 use crate::view::CannotSee;
@@ -26,10 +26,10 @@ const VISIBLE_NATS: f64 = 12.0;
 const NEGLIGIBLE: f64 = 1e-4;
 
 /// All that a diagnosis of logs of one nominal world needs.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Diagnoser<'a> {
     /// The response library.
-    pub library: &'a Library,
+    pub library: &'a dyn Responds,
     /// How evidence becomes probability; without one, as it is.
     pub calibration: &'a Calibration,
     /// Kinds of effects that are thought of.

@@ -4,11 +4,11 @@
 use asami_dataset::{Dataset, Log, Seed};
 use asami_math::elementary::{exp, ln};
 use asami_sim::effect::{Block, Place};
-use asami_sim::world;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::blocks::polished;
+use crate::drive::Drives;
 use crate::fit::{Free, changed, nominal as fitted, remembered, shape};
 use crate::judge::Judge;
 use crate::memory::Memory;
@@ -43,7 +43,9 @@ impl Budget {
     /// what a log of 150 s shows.
     #[must_use]
     pub fn of(robot: &str) -> Self {
-        if robot == "plain" {
+        if robot == "car" {
+            Self { nominal_runs: 48, runs: 4, sizes: 6, run_s: 40.0 }
+        } else if robot == "plain" {
             Self { nominal_runs: 64, runs: 16, sizes: 6, ..Self::default() }
         } else {
             Self::default()
@@ -52,7 +54,7 @@ impl Budget {
 }
 
 /// Seeds of a library's runs begin here: no case is ever given one of them.
-const FIRST_SEED: u64 = 7_000_000_000;
+pub(crate) const FIRST_SEED: u64 = 7_000_000_000;
 
 /// Of so many nominal logs the likelihood is made greatest.
 const POLISHED: usize = 16;
@@ -103,15 +105,51 @@ enum Run {
     Straight,
 }
 
+/// A library under whose responses logs can be held.
+pub trait Responds: Sync {
+    /// A log under its responses.
+    ///
+    /// # Errors
+    /// [`CannotSee`] says what the log lacks.
+    fn judge<'a>(&'a self, log: &Log) -> Result<Box<dyn Judge + 'a>, CannotSee>;
+}
+
+/// The library of any robot's world.
+#[derive(Debug)]
+pub enum Responses {
+    /// Of a robot among landmarks.
+    Landmarks(Box<Library>),
+    /// Of a car with a laser scanner.
+    Drives(Box<Drives>),
+}
+
+impl Responds for Library {
+    fn judge<'a>(&'a self, log: &Log) -> Result<Box<dyn Judge + 'a>, CannotSee> {
+        Ok(Box::new(Sighted::new(log, self)?))
+    }
+}
+
+impl Responds for Responses {
+    fn judge<'a>(&'a self, log: &Log) -> Result<Box<dyn Judge + 'a>, CannotSee> {
+        match self {
+            Self::Landmarks(library) => library.judge(log),
+            Self::Drives(drives) => drives.judge(log),
+        }
+    }
+}
+
 /// Why there is no library.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CannotLearn {
     /// A world that cannot be played.
     #[error(transparent)]
     Play(#[from] CannotPlay),
-    /// No landmark is ever seen in it.
-    #[error("in the nominal world's own logs no landmark is ever seen: nothing would show a gap")]
+    /// Nothing is ever seen in it.
+    #[error("in the nominal world's own logs nothing is ever seen: nothing would show a gap")]
     Blind,
+    /// Not even one of its own logs can be read.
+    #[error(transparent)]
+    Follow(#[from] crate::drive::motion::CannotFollow),
 }
 
 /// Logs of a nominal world with these effects in it.
@@ -123,7 +161,7 @@ pub fn play(nominal: &dyn Nominal, planted: &[Planted], seed: Seed, until_s: f64
     for Planted { variant, size } in planted {
         variant.plant(*size, &mut effects);
     }
-    Ok(world::run(&mut *nominal.world(&effects, seed)?, &mut *nominal.drive(seed), until_s))
+    nominal.dataset(&effects, seed, until_s)
 }
 
 impl Base {
@@ -287,14 +325,6 @@ impl Library {
         let learn = |variant: &Variant| Entry::learn(nominal, &base, variant, budget);
         let entries: Result<Vec<Entry>, CannotPlay> = variants.par_iter().map(learn).collect();
         Ok(Self { entries: entries?, base })
-    }
-
-    /// A log under its responses.
-    ///
-    /// # Errors
-    /// [`CannotSee`] says what the log lacks.
-    pub fn judge<'a>(&'a self, log: &Log) -> Result<Box<dyn Judge + 'a>, CannotSee> {
-        Ok(Box::new(Sighted::new(log, self)?))
     }
 
     /// The entry of a kind of effect.

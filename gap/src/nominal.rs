@@ -1,8 +1,9 @@
 //! The nominal world, as something that can be played.
 
-use asami_dataset::Seed;
+use asami_dataset::{Dataset, Seed};
 use asami_sim::effects::Effects;
-use asami_sim::world::{Drive, World};
+use asami_sim::robots::car::CarConfig;
+use asami_sim::world::{Drive, World, run};
 
 /// A world cannot be played.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -25,6 +26,19 @@ pub trait Nominal: Sync {
     /// # Errors
     /// If it cannot be built.
     fn world(&self, effects: &Effects, seed: Seed) -> Result<Box<dyn World>, CannotPlay>;
+
+    /// The car, where the robot is one.
+    fn car(&self) -> Option<&CarConfig> {
+        None
+    }
+
+    /// A log of a seed's world with these effects in place of its own.
+    ///
+    /// # Errors
+    /// If it cannot be simulated.
+    fn dataset(&self, effects: &Effects, seed: Seed, until_s: f64) -> Result<Dataset, CannotPlay> {
+        Ok(run(&mut *self.world(effects, seed)?, &mut *self.drive(seed), until_s))
+    }
 
     /// Commands of the kind that its logs have. It sees the logged past and, where it keeps the robot on
     /// the field, the true pose.

@@ -10,7 +10,7 @@ use crate::evidence::Weighed;
 use crate::findings::{Findings, absorbed_nats};
 use crate::groups::SPLIT_NATS;
 use crate::judge::Judge;
-use crate::library::{Library, play};
+use crate::library::{Responds, play};
 use crate::nominal::{CannotPlay, Nominal};
 use crate::plant::{Planted, Variant};
 
@@ -55,7 +55,7 @@ pub fn cause(planted: &[Planted]) -> String {
 /// If the world cannot be played.
 pub fn practise(
     nominal: &dyn Nominal,
-    library: &Library,
+    library: &dyn Responds,
     variants: &[Variant],
     seed: Seed,
     until_s: f64,

@@ -23,6 +23,15 @@ pub enum CannotSee {
     /// Actions that the nominal world's drive never takes.
     #[error("the log has discrete actions that the nominal world does not know: {0:?}")]
     UnknownActions(Vec<u16>),
+    /// No pedals.
+    #[error("the log has no commands of pedals: what a car would have done meanwhile cannot be played")]
+    NoPedals,
+    /// The scans of a car say nothing.
+    #[error(transparent)]
+    Follow(#[from] crate::drive::motion::CannotFollow),
+    /// The nominal car cannot be played.
+    #[error(transparent)]
+    Play(#[from] crate::nominal::CannotPlay),
     /// A landmark nobody declared.
     #[error("the log has a sighting of landmark {0}, which it does not declare")]
     UnknownLandmark(u16),

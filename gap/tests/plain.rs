@@ -6,7 +6,7 @@ use asami_dataset::{Channel, Log, Seed};
 use asami_gap::evidence::{CLOSE, weigh};
 use asami_gap::how_far::misfit;
 use asami_gap::library::{Budget, play};
-use asami_gap::{Calibration, Diagnoser, Library, Planted, Variant};
+use asami_gap::{Calibration, Diagnoser, Library, Planted, Responds, Variant};
 
 mod world;
 

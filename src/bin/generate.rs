@@ -87,7 +87,7 @@ fn many(scenario: &Scenario, salt: &str, cases: usize, arguments: &Arguments) ->
     };
     let mut nominal = (**nominal).clone();
     nominal.duration_s = arguments.duration_s.unwrap_or(nominal.duration_s);
-    let planting = Planting { nominal, salt: salt.to_owned(), mix: Mix::default() };
+    let planting = Planting { nominal, salt: salt.to_owned(), mix: Mix::default(), places: Vec::new() };
     let output = arguments.output.clone();
     let output = output.unwrap_or_else(|| PathBuf::from("results").join(format!("{}-withheld", scenario.name)));
     let heard = |done| {

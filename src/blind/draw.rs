@@ -28,6 +28,8 @@ pub struct Planting {
     pub salt: String,
     /// How many effects.
     pub mix: Mix,
+    /// Only effects that act at one of these places; of none: at any.
+    pub places: Vec<String>,
 }
 
 /// One case: what is in it, and the seed of its commands, its start and every noise.
@@ -69,7 +71,8 @@ impl Planting {
     fn candidates(&self) -> Vec<(usize, &'static About)> {
         let is_on = |about: &About| self.nominal.effects.iter().any(|effect| effect.about().name == about.name);
         let fits = |(_, about): &(usize, &'static About)| {
-            about.fits.contains(&self.nominal.robot.name()) && !about.law.is_empty() && !is_on(about)
+            let placed = self.places.is_empty() || self.places.iter().any(|place| place == about.place.name());
+            placed && about.fits.contains(&self.nominal.robot.name()) && !about.law.is_empty() && !is_on(about)
         };
         catalogue().into_iter().enumerate().filter(fits).collect()
     }

@@ -11,6 +11,9 @@ use crate::scenario::{Bad, Origin, Scenario, Simulation, parse as parse_nominal,
 /// Names of the diagnosers.
 pub const DIAGNOSERS: [&str; 3] = ["asami", "all_at_once", "forward_selection"];
 
+/// Names of the places where effects act.
+const PLACES: [&str; 4] = ["actuation", "dynamics", "sensing", "scene"];
+
 /// A checked blind scenario.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Blind {
@@ -47,6 +50,10 @@ pub struct Asked {
     /// How many effects are planted.
     #[serde(default)]
     pub mix: Mix,
+    /// Only effects that act at one of these places are planted (`actuation`, `dynamics`, `sensing`, `scene`); none named:
+    /// at any. What is thought of is the whole catalogue all the same.
+    #[serde(default)]
+    pub places: Vec<String>,
     /// Whether the group of each case's true effect is taken out of the catalogue.
     #[serde(default)]
     pub without_truth: bool,
@@ -207,6 +214,9 @@ impl Asked {
             for effect in group.iter().filter(|effect| !names.contains(&effect.as_str())) {
                 fault(format!("groups.{i}"), format!("there is no effect {effect}"));
             }
+        }
+        for (i, place) in self.places.iter().enumerate().filter(|(_, place)| !PLACES.contains(&place.as_str())) {
+            fault(format!("places.{i}"), format!("unknown place `{place}`, expected one of {}", PLACES.join(", ")));
         }
         if self.diagnosers.is_empty() {
             fault("diagnosers".into(), "diagnosers must hold at least one".into());

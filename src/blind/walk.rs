@@ -85,8 +85,12 @@ pub fn run(
     let numbers: Vec<usize> = (1..=blind.asked.cases).collect();
     let found = store.find::<Record>(&numbers.iter().map(|number| name(*number)).collect::<Vec<_>>())?;
     watcher.begins(&found.count, blind.asked.diagnosers.len());
-    let planting =
-        Planting { nominal: blind.world.clone(), salt: blind.asked.salt.clone(), mix: blind.asked.mix.clone() };
+    let planting = Planting {
+        nominal: blind.world.clone(),
+        salt: blind.asked.salt.clone(),
+        mix: blind.asked.mix.clone(),
+        places: blind.asked.places.clone(),
+    };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build()?;
     let records = pool.install(|| {
         let work: Vec<_> = numbers.into_iter().zip(found.records).collect();

@@ -11,6 +11,17 @@ pub enum ShowsNothing {
     /// No observation.
     #[error("the log has no sightings: nothing in it was observed that could part it from the nominal world")]
     NoSightings,
+    /// A car without a laser scanner.
+    #[error("the log has no laser firings: how a car moved, and how its scanner sees, is read off nothing else")]
+    NoFirings,
+    /// A drive that is too short.
+    #[error("the firings last {found_s:.1} s; less than {least_s} s show nothing")]
+    TooShortDrive {
+        /// How long they last.
+        found_s: f64,
+        /// How long they must.
+        least_s: f64,
+    },
     /// Too short.
     #[error(
         "the log lasts {found_s:.1} s with {sightings} sightings; less than {least_s} s and {least} sightings show nothing"
@@ -42,6 +53,8 @@ pub enum ShowsNothing {
 /// Less than this is less than the filter takes to settle and to be scored at all.
 const LEAST_S: f64 = 10.0;
 const LEAST_SIGHTINGS: usize = 20;
+/// Less of a drive than this is hardly more than what it takes to be followed.
+const LEAST_DRIVE_S: f64 = 20.0;
 /// A gap of minutes is one; one of hours is a clock that was set.
 const MOST_GAP_S: f64 = 3600.0;
 /// Without a sighting for so long, the pose is hardly known afterwards.
@@ -54,6 +67,9 @@ const GAP_S: f64 = 10.0;
 pub fn limits(log: &Log) -> Result<Vec<String>, ShowsNothing> {
     if log.commands.is_empty() {
         return Err(ShowsNothing::NoCommands);
+    }
+    if log.known.robot == "car" {
+        return of_drive(log);
     }
     if log.sightings.is_empty() {
         return Err(ShowsNothing::NoSightings);
@@ -77,16 +93,27 @@ pub fn limits(log: &Log) -> Result<Vec<String>, ShowsNothing> {
             gaps.len()
         ));
     }
-    if commanded_alike(log) {
-        notes.push(
-            "the command never changes: delays, lags and all that shows where commands change cannot be seen"
-                .to_owned(),
-        );
-    }
+    notes.extend(commanded_alike(log).then(|| ALIKE.to_owned()));
     if log.frames.is_none() {
         notes.push("the log has no frames.csv: sightings that were missed cannot be seen".to_owned());
     }
     Ok(notes)
+}
+
+const ALIKE: &str = "the command never changes: delays, lags and all that shows where commands change cannot be seen";
+
+/// The same of a car with a laser scanner.
+fn of_drive(log: &Log) -> Result<Vec<String>, ShowsNothing> {
+    let firings = log.firings.as_deref().filter(|firings| !firings.is_empty()).ok_or(ShowsNothing::NoFirings)?;
+    let found_s = firings.t_s.last().zip(firings.t_s.first()).map_or(0.0, |(last_s, first_s)| last_s - first_s);
+    if found_s.is_nan() || found_s < LEAST_DRIVE_S {
+        return Err(ShowsNothing::TooShortDrive { found_s, least_s: LEAST_DRIVE_S });
+    }
+    let jump = firings.t_s.windows(2).find(|pair| pair[1] - pair[0] > MOST_GAP_S);
+    if let Some(jump) = jump {
+        return Err(ShowsNothing::Jump { from_s: jump[0], to_s: jump[1], most_s: MOST_GAP_S });
+    }
+    Ok(commanded_alike(log).then(|| ALIKE.to_owned()).into_iter().collect())
 }
 
 /// Whether all commands are the same.
@@ -126,6 +153,18 @@ mod tests {
         assert!(matches!(limits(&log(0.0, None, [0.1; 2])), Err(ShowsNothing::TooShort { sightings: 1, .. })));
         let jump = log(9000.0, Some([30.0, 8000.0]), [0.1, 0.2]);
         assert!(matches!(limits(&jump), Err(ShowsNothing::Jump { from_s: 30.0, to_s: 8000.0, .. })));
+    }
+
+    #[test]
+    fn a_car_without_scans_is_refused() {
+        let known = asami_dataset::Known { robot: "car".to_owned(), ..Default::default() };
+        let drive = Log { known: known.into(), ..log(60.0, None, [0.1, 0.2]) };
+        assert_eq!(limits(&drive), Err(ShowsNothing::NoFirings));
+        let firings = |until_s: f64| asami_dataset::Firings { t_s: vec![0.0, until_s], ..Default::default() };
+        let with = |until_s: f64| Log { firings: Some(firings(until_s).into()), ..drive.clone() };
+        assert!(matches!(limits(&with(12.0)), Err(ShowsNothing::TooShortDrive { .. })));
+        assert!(matches!(limits(&with(9000.0)), Err(ShowsNothing::Jump { .. })));
+        assert_eq!(limits(&with(60.0)), Ok(Vec::new()));
     }
 
     #[test]

@@ -41,7 +41,7 @@ pub struct Counts {
 /// If a case cannot be simulated.
 pub fn self_test(ready: &Ready, length_s: f64, listener: &dyn Listener) -> Result<Counts, CannotSimulate> {
     let nominal = Simulation { duration_s: length_s, ..(*ready.held.simulation).clone() };
-    let planting = Planting { nominal, salt: SALT.to_owned(), mix: Mix::default() };
+    let planting = Planting { nominal, salt: SALT.to_owned(), mix: Mix::default(), places: Vec::new() };
     listener.begins("self-test", 0, CASES);
     let counts = Mutex::new(Counts::default());
     (0..CASES).into_par_iter().with_max_len(1).try_for_each(|i| {

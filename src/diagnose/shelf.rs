@@ -3,9 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
-use asami_dataset::Seed;
+use asami_dataset::{Log, Seed};
 use asami_gap::calibration::Case;
-use asami_gap::library::{Base, CannotLearn, Entry, play};
+use asami_gap::drive::{self, Drives};
+use asami_gap::library::{Base, CannotLearn, Entry, Responses, play};
 use asami_gap::practice::practise;
 use asami_gap::{Budget, CannotPlay, Library, Planted, Variant};
 use rayon::prelude::*;
@@ -13,7 +14,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::progress::Listener;
-use crate::scenario::Simulation;
+use crate::scenario::{Robot, Simulation};
 
 /// The hash of the code by which responses are learned and cases judged.
 const CODE: &str = env!("ASAMI_GAP");
@@ -56,7 +57,7 @@ pub struct Shelf<'a> {
 /// A nominal world's library, and where it is kept.
 pub struct Shelved {
     /// The library.
-    pub library: Library,
+    pub library: Responses,
     /// The kinds of effects in it.
     pub variants: Vec<Variant>,
     /// Its folder.
@@ -73,35 +74,61 @@ impl Shelf<'_> {
     /// [`CannotShelve`] where the world cannot be played, shows nothing, or a file cannot be written.
     pub fn library(&self, name: &str, nominal: &Simulation, variants: &[Variant]) -> Result<Shelved, CannotShelve> {
         let folder = self.folder.join(format!("{name}-{}", self.key(nominal)?));
-        let path = folder.join("nominal.json");
-        let base: Base = match kept(&path) {
-            Some(base) => base,
-            None => {
-                self.listener.says("the nominal world's response is not kept: playing it");
-                let base = Base::learn(nominal, &self.budget)?;
-                keep(&path, &base)?;
-                base
-            }
-        };
         let places = variants.par_iter().with_max_len(1).map(|variant| {
             Ok((variant, folder.join(format!("{}-{}.json", variant.about.name, effect_key(nominal, variant)?))))
         });
         let places: Vec<(&Variant, PathBuf)> = places.collect::<Result<_, CannotShelve>>()?;
         let mark = hash(&format!("{:?}", places.iter().map(|(_, path)| path.file_name()).collect::<Vec<_>>()));
-        let found: Vec<Option<Entry>> = places.iter().map(|(_, path)| kept(path)).collect();
+        let budget = &self.budget;
+        let library = if nominal.robot == Robot::Car {
+            let base = self.base(&folder, || drive::Base::learn(nominal, budget))?;
+            let learn = |variant: &Variant| drive::Entry::learn(nominal, &base, variant, budget);
+            let entries = self.entries(&places, &learn)?;
+            Responses::Drives(Box::new(Drives::new(base, entries)))
+        } else {
+            let base = self.base(&folder, || Base::learn(nominal, budget))?;
+            let learn = |variant: &Variant| Entry::learn(nominal, &base, variant, budget);
+            let entries = self.entries(&places, &learn)?;
+            Responses::Landmarks(Box::new(Library { base, entries }))
+        };
+        Ok(Shelved { library, variants: variants.to_vec(), folder, mark })
+    }
+
+    /// The nominal response, as kept in `folder` or as learned now.
+    fn base<B: Serialize + DeserializeOwned>(
+        &self,
+        folder: &Path,
+        learn: impl FnOnce() -> Result<B, CannotLearn>,
+    ) -> Result<B, CannotShelve> {
+        let path = folder.join("nominal.json");
+        if let Some(base) = kept(&path) {
+            return Ok(base);
+        }
+        self.listener.says("the nominal world's response is not kept: playing it");
+        let base = learn()?;
+        keep(&path, &base)?;
+        Ok(base)
+    }
+
+    /// What effects change, as kept or as learned now.
+    fn entries<E: Serialize + DeserializeOwned + Send>(
+        &self,
+        places: &[(&Variant, PathBuf)],
+        learn: &(dyn Fn(&Variant) -> Result<E, CannotPlay> + Sync),
+    ) -> Result<Vec<E>, CannotShelve> {
+        let found: Vec<Option<E>> = places.iter().map(|(_, path)| kept(path)).collect();
         let there = found.iter().filter(|entry| entry.is_some()).count();
         self.listener.begins("responses to effects", there, places.len());
-        let made = places.into_par_iter().zip(found).with_max_len(1).map(|((variant, path), found)| match found {
+        let made = places.par_iter().zip(found).with_max_len(1).map(|((variant, path), found)| match found {
             Some(entry) => Ok(entry),
             None => {
-                let entry = Entry::learn(nominal, &base, variant, &self.budget)?;
-                keep(&path, &entry)?;
+                let entry = learn(variant)?;
+                keep(path, &entry)?;
                 self.listener.steps();
                 Ok(entry)
             }
         });
-        let entries: Vec<Entry> = made.collect::<Result<_, CannotShelve>>()?;
-        Ok(Shelved { library: Library { base, entries }, variants: variants.to_vec(), folder, mark })
+        made.collect()
     }
 
     /// The hash of all that the nominal response hangs on: the world's numbers and, for its code, what it does in
@@ -122,7 +149,11 @@ fn effect_key(nominal: &Simulation, variant: &Variant) -> Result<String, CannotP
 
 fn probe(nominal: &Simulation, planted: &[Planted]) -> Result<String, CannotPlay> {
     let dataset = play(nominal, planted, Seed(1), PROBE_S)?;
-    Ok(hash(&format!("{:?} {:?}", dataset.log, dataset.truth.track)))
+    let firings = dataset.log.firings.as_deref();
+    let ranges: Vec<u8> =
+        firings.iter().flat_map(|firings| firings.range_2mm.iter().flatten()).flat_map(|it| it.to_le_bytes()).collect();
+    let log = Log { firings: None, ..dataset.log.clone() };
+    Ok(hash(&format!("{log:?} {:?} {}", dataset.truth.track, blake3::hash(&ranges).to_hex())))
 }
 
 fn hash(text: &str) -> String {

@@ -134,6 +134,12 @@ impl CarWorld {
         }
     }
 
+    /// Leans all ground from the next control period on: the sine of its slope times the unit vector uphill, before any
+    /// effect.
+    pub fn lean(&mut self, slope: [f64; 2]) {
+        self.nominal.ground.slope = slope;
+    }
+
     fn now_s(&self) -> f64 {
         self.steps as f64 * self.config.physics.time_step_s
     }

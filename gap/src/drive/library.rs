@@ -1,0 +1,293 @@
+//! What drives in the nominal world's towns say, and what effects change of the scanner's statistics.
+//!
+//! Of the car's motion nothing needs to be kept but how what is left of it scatters: a log's own commands are played with
+//! each effect when the log is read.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use asami_dataset::{Dataset, Firings, Log, Seed};
+use asami_math::elementary::{exp, ln};
+use asami_sim::effect::Place;
+use asami_sim::effects::Effects;
+use asami_sim::knobs::Knobs;
+use asami_sim::robots::car::CarConfig;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::driven::{Driven, Read};
+use super::law::{Law, plain_mean};
+use super::memory::Memory;
+use super::motion::{CannotFollow, Moved, Step};
+use super::road::left;
+use super::scanner::{COUNT, IN_LOGARITHMS, Segment, segments};
+use crate::judge::Judge;
+use crate::library::{Budget, CannotLearn, FIRST_SEED, Responds, play};
+use crate::nominal::{CannotPlay, Nominal};
+use crate::plant::{Planted, Variant};
+use crate::view::CannotSee;
+
+/// The nominal car, and what its drives say.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Base {
+    /// The car.
+    pub car: CarConfig,
+    /// Effects that are nominally on.
+    pub effects: Effects,
+    /// How what is left of speed and turning rate scatters.
+    pub memory: [Memory; 2],
+    /// How the scanner's statistics do.
+    pub law: Law,
+    /// The statistics of the first drives, by segment: what effects are held against.
+    pub first: Vec<Vec<[Option<f64>; COUNT]>>,
+}
+
+/// What one kind of effect changes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    /// [`Variant::name`].
+    pub kind: String,
+    /// Sizes played, increasing.
+    pub sizes: Vec<f64>,
+    /// By how much it moves each statistic at these sizes; empty where it does not act on the scanner.
+    pub moved: Vec<[f64; COUNT]>,
+    /// Standard deviations by which drives differ in that.
+    pub further: Vec<[f64; COUNT]>,
+}
+
+/// The library of a car's world.
+#[derive(Debug)]
+pub struct Drives {
+    /// Nominally.
+    pub base: Base,
+    /// Kinds of effects.
+    pub entries: Vec<Entry>,
+    /// Logs that were read last: to read one takes far longer than to hold it against a response.
+    lately: Lately,
+}
+
+/// The last few logs.
+#[derive(Default)]
+struct Lately(Mutex<Vec<(Arc<Firings>, Arc<Read>)>>);
+
+/// Nominal drives last so many times as long as those with effects: the first corner comes late.
+const LONGER: f64 = 2.0;
+
+/// As many.
+const LATELY: usize = 4;
+
+impl std::fmt::Debug for Lately {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("_")
+    }
+}
+
+/// Motion and statistics of one drive.
+struct Drive {
+    steps: Vec<Step>,
+    left: Vec<[f64; 2]>,
+    segments: Vec<Segment>,
+}
+
+impl Drive {
+    fn of(run: &Dataset, car: &CarConfig, effects: &Effects) -> Result<Self, CannotLearn> {
+        let (moved, segments) = scanned(&run.log)?;
+        let left = left(car, effects, &run.log.commands, &moved.steps, 0.0)?;
+        Ok(Self { steps: moved.steps, left, segments })
+    }
+}
+
+/// A log's motion and statistics.
+pub(super) fn scanned(log: &Log) -> Result<(Moved<'_>, Vec<Segment>), CannotFollow> {
+    let moved = Moved::read(log)?;
+    let (turn_rate_hz, height_m) =
+        log.known.velodyne.as_ref().map_or((10.0, 2.0), |unit| (unit.turn_rate_hz, unit.sensor_height_m));
+    let segments = segments(&moved, turn_rate_hz, height_m);
+    Ok((moved, segments))
+}
+
+impl Base {
+    /// Plays and learns the nominal drives.
+    ///
+    /// # Errors
+    /// If the world cannot be played, or no drive can be read.
+    pub fn learn(nominal: &dyn Nominal, budget: &Budget) -> Result<Self, CannotLearn> {
+        let car = nominal.car().ok_or_else(|| CannotPlay("its robot is no car".to_owned()))?;
+        let effects = nominal.effects();
+        let seeds: Vec<u64> = (0..budget.nominal_runs).collect();
+        let drive = |i: u64| -> Result<Option<Drive>, CannotLearn> {
+            let run = play(nominal, &[], Seed(FIRST_SEED + i), LONGER * budget.run_s)?;
+            // A drive that stands at a stop line all the time says nothing.
+            Ok(Drive::of(&run, car, effects).ok())
+        };
+        let drives: Vec<Option<Drive>> =
+            seeds.into_par_iter().with_max_len(1).map(drive).collect::<Result<_, CannotLearn>>()?;
+        let first = drives.iter().take(budget.runs as usize).map(|drive| {
+            let values = |segment: &Segment| segment.values.map(|it| it.is_finite().then_some(it));
+            drive.as_ref().map_or_else(Vec::new, |drive| drive.segments.iter().map(values).collect())
+        });
+        let first = first.collect();
+        let drives: Vec<Drive> = drives.into_iter().flatten().collect();
+        if drives.len() < 3 {
+            return Err(CannotLearn::Blind);
+        }
+        let of_axis = |axis: usize| -> Vec<(&[Step], Vec<f64>)> {
+            drives.iter().map(|it| (&it.steps[..], it.left.iter().map(|left| left[axis]).collect())).collect()
+        };
+        let memory = [0, 1].map(|axis| Memory::learn(&of_axis(axis)));
+        let law = Law::learn(&drives.into_iter().map(|it| it.segments).collect::<Vec<_>>());
+        Ok(Self { car: car.clone(), effects: effects.clone(), memory, law, first })
+    }
+}
+
+/// Where a kind of effect may show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shows {
+    /// In how the car moves.
+    pub in_motion: bool,
+    /// In what the scanner says of itself.
+    pub in_scans: bool,
+    /// How far it puts the scanner's clock ahead.
+    pub ahead_s: f64,
+}
+
+impl Shows {
+    /// By what the effects do to the world's knobs.
+    pub fn of(effects: &Effects, place: Place) -> Self {
+        let (mut knobs, nominal) = (Knobs::default(), Knobs::default());
+        effects.iter().for_each(|effect| effect.tune(0.0, &mut knobs));
+        let ahead_s = knobs.velodyne.ahead_s;
+        let loaded = knobs.vehicle.luggage_kg != 0.0 || knobs.vehicle.mass_ratio != 1.0;
+        knobs.velodyne.ahead_s = 0.0;
+        let senses = matches!(place, Place::Sensing | Place::Scene);
+        Self {
+            in_motion: !senses || ahead_s != 0.0,
+            in_scans: loaded || knobs.velodyne != nominal.velodyne || (senses && ahead_s == 0.0),
+            ahead_s,
+        }
+    }
+}
+
+/// The nominal effects with one more.
+pub(super) fn with(effects: &Effects, variant: &Variant, size: f64) -> Effects {
+    let mut effects = effects.clone();
+    variant.plant(size, &mut effects);
+    effects
+}
+
+impl Entry {
+    /// Plays one kind of effect at its sizes, with the seeds of the first nominal drives, and learns what it changes.
+    ///
+    /// # Errors
+    /// If the world cannot be played.
+    pub fn learn(nominal: &dyn Nominal, base: &Base, variant: &Variant, budget: &Budget) -> Result<Self, CannotPlay> {
+        let (least, greatest) = variant.sizes();
+        let n = budget.sizes.max(2);
+        let size = |i: usize| least * exp(i as f64 / (n - 1) as f64 * ln(greatest / least));
+        let sizes: Vec<f64> = (0..n).map(size).collect();
+        let mut entry = Self { kind: variant.name(), sizes, moved: Vec::new(), further: Vec::new() };
+        if !Shows::of(&with(&base.effects, variant, greatest), variant.place()).in_scans {
+            return Ok(entry);
+        }
+        let runs: Vec<(usize, u64)> = (0..n).flat_map(|i| (0..budget.runs).map(move |run| (i, run))).collect();
+        let sizes = &entry.sizes;
+        let change = |(i, run): (usize, u64)| -> Result<Option<[f64; COUNT]>, CannotPlay> {
+            let planted = [Planted { variant: variant.clone(), size: sizes[i] }];
+            let played = play(nominal, &planted, Seed(FIRST_SEED + run), budget.run_s)?;
+            let Ok((_, segments)) = scanned(&played.log) else { return Ok(None) };
+            let nominal = base.first.get(run as usize).map_or(&[][..], Vec::as_slice);
+            let off = |k: usize| {
+                let pairs = segments.iter().zip(nominal);
+                plain_mean(pairs.map(|(with, without)| with.values[k] - without[k].unwrap_or(f64::NAN)))
+            };
+            Ok(Some(std::array::from_fn(off)))
+        };
+        let changes: Vec<Option<[f64; COUNT]>> =
+            runs.par_iter().with_max_len(1).map(|at| change(*at)).collect::<Result<_, CannotPlay>>()?;
+        for of_size in changes.chunks(budget.runs.max(1) as usize) {
+            let told: [(f64, f64); COUNT] = std::array::from_fn(|k| {
+                told(of_size.iter().flatten().map(|change| change[k]).filter(|it| it.is_finite()).collect())
+            });
+            entry.moved.push(told.map(|it| it.0));
+            entry.further.push(told.map(|it| it.1));
+        }
+        Ok(entry)
+    }
+
+    /// What it adds to the statistics' means and spreads at a size. Logarithms run straight in the size's logarithm, the
+    /// rest in the size.
+    pub fn add(&self, size: f64, moved: &mut [f64], further: &mut [f64]) {
+        if self.moved.is_empty() {
+            return;
+        }
+        let (plain, logarithmic) = (self.weights(size, |size| size), self.weights(size, ln));
+        for k in 0..COUNT {
+            let weights = if IN_LOGARITHMS[k] { &logarithmic } else { &plain };
+            for (i, weight) in weights.iter().enumerate() {
+                moved[k] += weight * self.moved[i][k];
+                further[k] += weight * self.further[i][k];
+            }
+        }
+    }
+
+    /// Weights of the sizes in straight lines; below the least, in the size itself from none.
+    pub(super) fn weights(&self, size: f64, scale: fn(f64) -> f64) -> Vec<f64> {
+        let mut weights = vec![0.0; self.sizes.len()];
+        let above = self.sizes.partition_point(|it| *it < size).min(self.sizes.len() - 1);
+        match above.checked_sub(1) {
+            None => weights[above] = size / self.sizes[above],
+            Some(below) => {
+                let [at, low, high] = [size, self.sizes[below], self.sizes[above]].map(scale);
+                weights[above] = (at - low) / (high - low);
+                weights[below] = 1.0 - weights[above];
+            }
+        }
+        weights
+    }
+}
+
+/// What some drives' changes tell: their mean, as far as it is more than chance, and their spread.
+fn told(changes: Vec<f64>) -> (f64, f64) {
+    let n = changes.len() as f64;
+    if n < 2.0 {
+        return (changes.first().copied().unwrap_or(0.0), 0.0);
+    }
+    let mean = plain_mean(changes.iter().copied());
+    let variance = changes.iter().fold(0.0, |sum, it| sum + (it - mean) * (it - mean)) / (n - 1.0);
+    let chance = if mean != 0.0 { variance / n / (mean * mean) } else { 1.0 };
+    (mean * (1.0 - chance).max(0.0), (variance * (1.0 + 1.0 / n)).sqrt())
+}
+
+impl Drives {
+    /// Of parts that were learned.
+    #[must_use]
+    pub fn new(base: Base, entries: Vec<Entry>) -> Self {
+        Self { base, entries, lately: Lately::default() }
+    }
+
+    /// The entries by kind.
+    pub(super) fn kinds(&self) -> BTreeMap<&str, &Entry> {
+        self.entries.iter().map(|entry| (entry.kind.as_str(), entry)).collect()
+    }
+}
+
+impl Responds for Drives {
+    fn judge<'a>(&'a self, log: &Log) -> Result<Box<dyn Judge + 'a>, CannotSee> {
+        let known = |firings: &Arc<Firings>| {
+            let lately = self.lately.0.lock().unwrap_or_else(PoisonError::into_inner);
+            let found = lately.iter().find(|(its, read)| Arc::ptr_eq(its, firings) && read.commands == log.commands);
+            found.map(|(_, read)| Arc::clone(read))
+        };
+        let firings = log.firings.as_ref();
+        if let Some(read) = firings.and_then(known) {
+            return Ok(Box::new(Driven::new(self, read)));
+        }
+        let read = Arc::new(Read::new(self, log)?);
+        if let Some(firings) = firings {
+            let mut lately = self.lately.0.lock().unwrap_or_else(PoisonError::into_inner);
+            lately.insert(0, (Arc::clone(firings), Arc::clone(&read)));
+            lately.truncate(LATELY);
+        }
+        Ok(Box::new(Driven::new(self, read)))
+    }
+}

@@ -1,0 +1,181 @@
+//! How what is left of the motion scatters in the nominal world, and hangs on what was left before: hills last for tens
+//! of seconds, and an error of one scan's pose is in two motions.
+
+use asami_math::elementary::{exp, ln};
+use asami_math::regression::Regression;
+use serde::{Deserialize, Serialize};
+
+use super::motion::Step;
+
+/// As many steps back is remembered.
+const ORDER: usize = 3;
+/// Standing, under way, turning: each scatters in its own way.
+const CLASSES: usize = 3;
+/// Share of steps that are something else: a gear changed elsewhere, scans that were matched to something else.
+pub(super) const ASTRAY: f64 = 0.02;
+/// How much farther those scatter.
+pub(super) const ASTRAY_SCALE: f64 = 6.0;
+/// Slower cars stand.
+const STANDING_M_PER_S: f64 = 0.3;
+/// Faster turns are corners.
+const TURNING_RAD_PER_S: f64 = 0.05;
+/// Steps farther apart are no neighbours.
+const NEAR_S: f64 = 1.6;
+
+/// Memory of one axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// Mean, by class.
+    mean: [f64; CLASSES],
+    /// What is kept of what was left one, two, three steps before.
+    kept: [f64; ORDER],
+    /// Standard deviation of what is new, by class.
+    spread: [f64; CLASSES],
+}
+
+/// What one step says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fresh {
+    /// `log p`.
+    pub log_likelihood: f64,
+    /// What is expected of minus it.
+    pub expected: f64,
+    /// What is new in it, in standard deviations.
+    pub white: f64,
+    /// Logarithm of that standard deviation.
+    pub ln_scale: f64,
+    /// Whether it is of the motion at all.
+    pub genuine: bool,
+}
+
+/// The class of a step.
+fn class(step: &Step) -> usize {
+    if step.v_m_per_s.abs() < STANDING_M_PER_S {
+        0
+    } else {
+        1 + usize::from(step.omega_rad_per_s.abs() > TURNING_RAD_PER_S)
+    }
+}
+
+/// Probability's logarithm of a number that is normal most of the time, and whether it is one of those times.
+pub(super) fn contaminated(squares: f64, dimensions: f64, ln_scale: f64) -> (f64, bool) {
+    let usual = ln(1.0 - ASTRAY) - 0.5 * squares;
+    let astray = ln(ASTRAY) - 0.5 * squares / (ASTRAY_SCALE * ASTRAY_SCALE) - dimensions * ln(ASTRAY_SCALE);
+    let greater = usual.max(astray);
+    let sum = greater + ln(exp(usual - greater) + exp(astray - greater));
+    (sum - 0.5 * dimensions * ln(std::f64::consts::TAU) - ln_scale, usual > astray)
+}
+
+impl Memory {
+    /// The memory in what nominal logs leave of one axis.
+    #[must_use]
+    pub fn learn(logs: &[(&[Step], Vec<f64>)]) -> Self {
+        let mut memory = Self { spread: [1.0; CLASSES], ..Self::default() };
+        for (class_of, mean) in memory.mean.iter_mut().enumerate() {
+            let of = |(steps, left): &(&[Step], Vec<f64>)| -> Vec<f64> {
+                steps.iter().zip(left).filter(|(step, _)| class(step) == class_of).map(|(_, left)| *left).collect()
+            };
+            let mut all: Vec<f64> = logs.iter().flat_map(of).collect();
+            all.sort_by(f64::total_cmp);
+            // The middle half's mean: some steps are something else.
+            let middle = &all[all.len() / 4..all.len() - all.len() / 4];
+            *mean = middle.iter().fold(0.0, |sum, it| sum + it) / middle.len().max(1) as f64;
+        }
+        for _ in 0..4 {
+            memory = memory.again(logs);
+        }
+        memory
+    }
+
+    fn again(&self, logs: &[(&[Step], Vec<f64>)]) -> Self {
+        let first = self.spread[1] == 1.0;
+        let mut regression = Regression::new(ORDER);
+        let mut sums = [[1e-12; 2]; CLASSES];
+        for (steps, left) in logs {
+            for i in ORDER..steps.len() {
+                let (Some(before), class) = (self.before(steps, left, i), class(&steps[i])) else { continue };
+                let now = left[i] - self.mean[class];
+                let off = now - self.kept.iter().zip(&before).fold(0.0, |sum, (k, b)| sum + k * b);
+                let squares = (off / self.spread[class]) * (off / self.spread[class]);
+                let usual = first || contaminated(squares, 1.0, 0.0).1;
+                if usual {
+                    regression.observe(&before, now, 1.0 / (self.spread[class] * self.spread[class]));
+                    sums[class][0] += off * off;
+                    sums[class][1] += 1.0;
+                }
+            }
+        }
+        let kept = regression
+            .solve()
+            .filter(|fit| fit.rank == ORDER)
+            .map_or(self.kept, |fit| [fit.coefficients[0], fit.coefficients[1], fit.coefficients[2]]);
+        let all = sums.iter().fold([0.0; 2], |sum, it| [sum[0] + it[0], sum[1] + it[1]]);
+        // A class that is hardly seen is taken for like the others.
+        let spread = sums.map(|[squares, n]| ((squares + 5.0 * all[0] / all[1].max(1.0)) / (n + 5.0)).sqrt().max(1e-6));
+        Self { kept, spread, ..*self }
+    }
+
+    /// What was left before step `i`, the nearest first; `None` where a step is missing.
+    fn before(&self, steps: &[Step], left: &[f64], i: usize) -> Option<[f64; ORDER]> {
+        let first = i.checked_sub(ORDER)?;
+        let whole = steps[first..=i].windows(2).all(|pair| pair[1].t_s - pair[0].t_s < NEAR_S);
+        whole.then(|| std::array::from_fn(|k| left[i - 1 - k] - self.mean[class(&steps[i - 1 - k])]))
+    }
+
+    /// What step `i` says, were scatter `exp(louder)` times as great.
+    #[must_use]
+    pub fn fresh(&self, steps: &[Step], left: &[f64], i: usize, louder: f64) -> Fresh {
+        let class = class(&steps[i]);
+        let Some(before) = self.before(steps, left, i) else { return Fresh::default() };
+        let expected = self.kept.iter().zip(&before).fold(self.mean[class], |sum, (k, b)| sum + k * b);
+        let ln_scale = ln(self.spread[class]) + louder;
+        let white = (left[i] - expected) / exp(ln_scale);
+        let (log_likelihood, genuine) = contaminated(white * white, 1.0, ln_scale);
+        let expected = 0.5 + 0.5 * ln(std::f64::consts::TAU) + ln_scale;
+        Fresh { log_likelihood, expected, white, ln_scale, genuine }
+    }
+
+    /// As many steps say nothing by themselves.
+    pub const SILENT: usize = ORDER;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asami_dataset::Seed;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn step(i: usize) -> Step {
+        Step { t_s: 0.5 * i as f64, dt_s: 0.5, v_m_per_s: 5.0, omega_rad_per_s: 0.0 }
+    }
+
+    #[test]
+    fn densities_that_allow_for_what_is_astray_add_up_to_one() {
+        let width = 0.01;
+        let sum: f64 =
+            (-4000..4000).map(|i| width * contaminated((f64::from(i) * width).powi(2), 1.0, 0.0).0.exp()).sum();
+        assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+    }
+
+    /// An autoregression of first order with 0.8 and a scatter of 0.02, a step in fifty of them somewhere else.
+    #[test]
+    fn an_autoregression_is_learned_and_what_is_new_in_it_is_white() {
+        let mut rng = Seed(3).stream("drive/memory");
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let steps: Vec<Step> = (0..4000).map(step).collect();
+        let mut last = 0.0;
+        let left: Vec<f64> = (0..4000)
+            .map(|_| {
+                last = 0.8 * last + 0.02 * normal();
+                0.1 + last
+            })
+            .collect();
+        let memory = Memory::learn(&[(&steps, left.clone())]);
+        let [a, b, c] = memory.kept;
+        // Standard errors are sqrt((1 - 0.64) / 4000), about 0.01.
+        assert!((a - 0.8).abs() < 0.06 && b.abs() < 0.08 && c.abs() < 0.06, "{memory:?}");
+        assert!((memory.spread[1] - 0.02).abs() < 0.001 && (memory.mean[1] - 0.1).abs() < 0.01, "{memory:?}");
+        let squares: f64 = (3..4000).map(|i| memory.fresh(&steps, &left, i, 0.0).white.powi(2)).sum();
+        assert!((squares - 3997.0).abs() < 4.0 * (2.0_f64 * 3997.0).sqrt() + 40.0, "{squares}");
+    }
+}
