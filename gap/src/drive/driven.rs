@@ -79,7 +79,8 @@ impl Read {
                 least: first + LEAST_STEPS,
             });
         }
-        let play = |effects: &Effects, ahead_s: f64| left(&base.car, effects, &log.commands, &steps, ahead_s);
+        let play =
+            |effects: &Effects, ahead_s: f64| left(&base.car, effects, &log.commands, &steps, base.ahead_s + ahead_s);
         let cannot = |error: crate::nominal::CannotPlay| CannotSee::Play(error);
         let nominal = play(&base.effects, 0.0).map_err(cannot)?;
         let all = Variant::all("car", &[]);

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use asami_dataset::{Dataset, Firings, Log, Seed};
+use asami_dataset::{Channel as Rows, Command, Dataset, Firings, Log, Seed};
 use asami_math::elementary::{exp, ln};
 use asami_sim::effect::Place;
 use asami_sim::effects::Effects;
@@ -34,6 +34,8 @@ pub struct Base {
     pub car: CarConfig,
     /// Effects that are nominally on.
     pub effects: Effects,
+    /// How far the times of motions are ahead of the commands' even so: what matching scans does to the beginning of a step.
+    pub ahead_s: f64,
     /// How what is left of speed and turning rate scatters.
     pub memory: [Memory; 2],
     /// How the scanner's statistics do.
@@ -84,6 +86,7 @@ impl std::fmt::Debug for Lately {
 
 /// Motion and statistics of one drive.
 struct Drive {
+    commands: Rows<Command>,
     steps: Vec<Step>,
     left: Vec<[f64; 2]>,
     segments: Vec<Segment>,
@@ -93,8 +96,21 @@ impl Drive {
     fn of(run: &Dataset, car: &CarConfig, effects: &Effects) -> Result<Self, CannotLearn> {
         let (moved, segments) = scanned(&run.log)?;
         let left = left(car, effects, &run.log.commands, &moved.steps, 0.0)?;
-        Ok(Self { steps: moved.steps, left, segments })
+        Ok(Self { commands: run.log.commands.clone(), steps: moved.steps, left, segments })
     }
+}
+
+/// How late motions are by what is left of speeds: the step by which an acceleration comes too late leaves so much less.
+fn late_s(drives: &[Drive]) -> f64 {
+    let (mut products, mut squares) = (0.0, 1e-9);
+    for drive in drives {
+        for (three, left) in drive.steps.windows(3).zip(&drive.left[1..]) {
+            let gain = (three[2].v_m_per_s - three[0].v_m_per_s) / (three[2].t_s - three[0].t_s);
+            products += left[0].clamp(-0.1, 0.1) * gain;
+            squares += gain * gain;
+        }
+    }
+    -products / squares
 }
 
 /// A log's motion and statistics.
@@ -127,16 +143,24 @@ impl Base {
             drive.as_ref().map_or_else(Vec::new, |drive| drive.segments.iter().map(values).collect())
         });
         let first = first.collect();
-        let drives: Vec<Drive> = drives.into_iter().flatten().collect();
+        let mut drives: Vec<Drive> = drives.into_iter().flatten().collect();
         if drives.len() < 3 {
             return Err(CannotLearn::Blind);
+        }
+        let mut ahead_s = 0.0;
+        for _ in 0..2 {
+            ahead_s += late_s(&drives);
+            drives.par_iter_mut().with_max_len(1).try_for_each(|it| {
+                it.left = left(car, effects, &it.commands, &it.steps, ahead_s)?;
+                Ok::<(), CannotPlay>(())
+            })?;
         }
         let of_axis = |axis: usize| -> Vec<(&[Step], Vec<f64>)> {
             drives.iter().map(|it| (&it.steps[..], it.left.iter().map(|left| left[axis]).collect())).collect()
         };
         let memory = [0, 1].map(|axis| Memory::learn(&of_axis(axis)));
         let law = Law::learn(&drives.into_iter().map(|it| it.segments).collect::<Vec<_>>());
-        Ok(Self { car: car.clone(), effects: effects.clone(), memory, law, first })
+        Ok(Self { car: car.clone(), effects: effects.clone(), ahead_s, memory, law, first })
     }
 }
 
