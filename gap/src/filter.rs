@@ -115,7 +115,8 @@ pub fn counted(shape: &Shape, numbers: &[f64], view: &View, begin: usize, belief
             ready.predict(view, i, &mut state);
         }
         for landmark in 0..landmarks {
-            counted[i * landmarks + landmark] = view.misses && ready.is_clear(view, i, landmark, &state.belief());
+            counted[i * landmarks + landmark] =
+                view.misses && view.steps[i].looked && ready.is_clear(view, i, landmark, &state.belief());
         }
         for seen in view.steps[i].seen.clone() {
             ready.update(view, i, seen, &mut state, &mut unread);

@@ -63,6 +63,8 @@ pub struct Step {
     pub attempt: [f64; 3],
     /// Sightings of it.
     pub seen: std::ops::Range<usize>,
+    /// Whether there was a frame, so that a miss is one.
+    pub looked: bool,
 }
 
 /// A log, ready to be filtered.
@@ -87,6 +89,11 @@ pub struct View {
 pub const LEAST_SEEN: usize = 20;
 /// The heading hold forgets a landmark not seen for this long.
 const HELD_S: f64 = 1.0;
+/// Motion is taken to be straight, and the filter linear, for no longer than this: between frames farther apart steps without
+/// one are put in.
+const LONGEST_STEP_S: f64 = 0.25;
+/// So many at most: after longer, the pose is lost anyhow.
+const MOST_STEPS: f64 = 10_000.0;
 
 impl View {
     /// The view of a log through `columns`.
@@ -110,10 +117,12 @@ impl View {
         };
         let mut held: Option<(f64, f64)> = None;
         let mut next = 0;
-        for (i, frame) in frames.iter().enumerate() {
+        for (i, (frame, looked)) in frames.iter().enumerate() {
             let before = i.checked_sub(1).map(|before| &frames[before]);
-            let dt_s = before.map_or(0.0, |before| frame.t_s - before.t_s);
-            let turned = before.map_or(0.0, |before| frame.head_pan_rad - before.head_pan_rad);
+            let dt_s = before.map_or(0.0, |(before, _)| frame.t_s - before.t_s);
+            // How fast the head turned while nobody looked is not known.
+            let turned = before.filter(|(_, looked)| *looked);
+            let turned = turned.map_or(0.0, |(before, _)| frame.head_pan_rad - before.head_pan_rad);
             let held_rad = held.filter(|(t_s, _)| frame.t_s - t_s <= HELD_S).map(|(_, bearing_rad)| bearing_rad);
             let row = &mut view.rows[i * columns.len()..(i + 1) * columns.len()];
             let attempt = columns.fill(&log.commands, frame.t_s - dt_s, frame.t_s, held_rad, row);
@@ -132,11 +141,13 @@ impl View {
                 pan_rad_per_s: if dt_s > 0.0 { turned / dt_s } else { 0.0 },
                 attempt,
                 seen: start..view.seen.len(),
+                looked: *looked,
             });
         }
         let seen = view.steps.iter().filter(|step| !step.seen.is_empty()).count();
         if seen < LEAST_SEEN {
-            return Err(CannotSee::TooShort { frames: frames.len(), seen, least: LEAST_SEEN });
+            let frames = view.steps.iter().filter(|step| step.looked).count();
+            return Err(CannotSee::TooShort { frames, seen, least: LEAST_SEEN });
         }
         Ok(view)
     }
@@ -173,12 +184,46 @@ impl View {
     }
 }
 
-/// The log's frames; of a log without, one wherever something was seen.
-fn frames(log: &Log) -> Vec<Frame> {
-    if let Some(frames) = &log.frames {
-        return frames.to_vec();
+/// The log's frames, of a log without one wherever something was seen; between those far apart, steps at which nobody looked.
+fn frames(log: &Log) -> Vec<(Frame, bool)> {
+    let of_sightings = || {
+        let mut times_s: Vec<f64> = log.sightings.iter().map(|it| it.t_s).collect();
+        times_s.dedup();
+        times_s.into_iter().map(|t_s| Frame { t_s, head_pan_rad: 0.0 }).collect::<Vec<_>>()
+    };
+    let there = log.frames.as_ref().map_or_else(of_sightings, |frames| frames.to_vec());
+    let mut all: Vec<(Frame, bool)> = Vec::with_capacity(there.len());
+    for frame in there {
+        if let Some((last, _)) = all.last().copied() {
+            let gap_s = frame.t_s - last.t_s;
+            let between = (gap_s / LONGEST_STEP_S).ceil().clamp(1.0, MOST_STEPS);
+            let at = |i: usize| Frame { t_s: last.t_s + gap_s * i as f64 / between, ..last };
+            all.extend((1..between as usize).map(|i| (at(i), false)));
+        }
+        all.push((frame, true));
     }
-    let mut times_s: Vec<f64> = log.sightings.iter().map(|it| it.t_s).collect();
-    times_s.dedup();
-    times_s.into_iter().map(|t_s| Frame { t_s, head_pan_rad: 0.0 }).collect()
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use asami_dataset::Sighting;
+
+    use super::*;
+
+    /// What is put in between frames is no frame; all steps together last as long as the log.
+    #[test]
+    fn steps_are_short_however_far_frames_are_apart() {
+        let sighting = |t_s| Sighting { t_s, landmark: 0, size: Size::HeightPx(20.0), bearing_rad: 0.0 };
+        let times_s = [0.0, 0.05, 0.3, 1.0, 7.0];
+        let log = Log { sightings: times_s.map(sighting).to_vec().into(), ..Log::default() };
+        let frames = frames(&log);
+        let looked: Vec<f64> = frames.iter().filter(|(_, looked)| *looked).map(|(frame, _)| frame.t_s).collect();
+        assert_eq!(looked, times_s);
+        // 0.05 and 0.25 s as they are, 0.7 s in three, 6 s in 24.
+        assert_eq!(frames.len(), 1 + 1 + 1 + 3 + 24);
+        assert!(
+            frames.windows(2).all(|pair| (0.0..=LONGEST_STEP_S + 1e-12).contains(&(pair[1].0.t_s - pair[0].0.t_s)))
+        );
+    }
 }

@@ -38,9 +38,9 @@ struct Arguments {
     /// Where the answer goes [default: results/diagnosis/DATASET]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Plants effects in the nominal world, and says how often they are named and their sizes covered
-    #[arg(long)]
-    self_test: bool,
+    /// Plants N cases in the nominal world [default: 30], and says how often effects are named and their sizes covered
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "30")]
+    self_test: Option<u16>,
     /// Calibrates probabilities on at least so many planted cases, which are made once and kept;
     /// 0: none, and probabilities are too bold
     #[arg(long, value_name = "N", default_value_t = CASES)]
@@ -71,9 +71,8 @@ fn main() -> ExitCode {
         let out = arguments.output.unwrap_or_else(|| PathBuf::from("results/diagnosis").join(&name));
         answer.write(&name, &ready, &out)?;
         listener.says(&format!("written to {}", out.display()));
-        if arguments.self_test {
-            let length_s = log.span_s().map_or(0.0, |(first_s, last_s)| last_s - first_s);
-            verb::print(&self_test(&ready, length_s, &listener).map_err(verb::plain)?.text());
+        if let Some(cases) = arguments.self_test {
+            verb::print(&self_test(&ready, answer.length_s, cases.into(), &listener).map_err(verb::plain)?.text());
         }
         Ok(verb::Ending::Done)
     })

@@ -24,7 +24,7 @@ use asami_sim::effects::catalogue;
 use crate::report::diagnosis::{Beside, report};
 use crate::scenario::fault::nearest;
 use crate::sweep::manifest::program;
-use limits::ShowsNothing;
+use limits::{Limited, ShowsNothing};
 use nominal::{Held, NoNominal};
 use progress::Listener;
 use repaired::CannotRepair;
@@ -118,8 +118,7 @@ impl Ready {
         let budget = asked.budget.unwrap_or_else(|| Budget::of(held.simulation.robot.name()));
         let shelf = Shelf { folder: asked.libraries.clone(), budget, listener };
         let shelved = shelf.library(&held.name, &held.simulation, &variants)?;
-        let length_s = log.span_s().map_or(0.0, |(first_s, last_s)| last_s - first_s);
-        let cases = shelved.cases(&held.simulation, length_s, asked.calibrate, listener)?;
+        let cases = shelved.cases(&held.simulation, length_s(log), asked.calibrate, listener)?;
         let cases = less(&cases, &asked.without);
         let calibration = if cases.len() < LEAST_CASES {
             listener.says(
@@ -158,6 +157,8 @@ pub struct Answer {
     pub notes: Vec<String>,
     /// The text of `with_effect.toml`, where an effect was found.
     pub with_effect: Option<String>,
+    /// How much of the log was looked at.
+    pub length_s: f64,
 }
 
 impl Answer {
@@ -166,14 +167,14 @@ impl Answer {
     /// # Errors
     /// [`CannotDiagnose`] says what is missing.
     pub fn new(log: &Log, asked: &Asked, listener: &dyn Listener) -> Result<(Self, Ready), CannotDiagnose> {
-        let notes = limits::limits(log)?;
+        let Limited { log, notes } = limits::limits(log)?;
         notes.iter().for_each(|note| listener.says(&format!("note: {note}")));
-        let ready = Ready::new(log, asked, listener)?;
+        let ready = Ready::new(&log, asked, listener)?;
         listener.says("reading the log");
-        let diagnosis = ready.diagnose(log)?;
+        let diagnosis = ready.diagnose(&log)?;
         let cause = repaired::cause(&diagnosis);
         let with_effect = cause.map(|cause| repaired::repaired(&ready.held.text, cause)).transpose()?;
-        Ok((Self { diagnosis, notes, with_effect }, ready))
+        Ok((Self { diagnosis, notes, with_effect, length_s: length_s(&log) }, ready))
     }
 
     /// Writes `diagnosis.json`, `report.html` and `with_effect.toml`; the last is removed where no effect was found.
@@ -217,6 +218,10 @@ impl Answer {
             ],
         }
     }
+}
+
+fn length_s(log: &Log) -> f64 {
+    log.span_s().map_or(0.0, |(first_s, last_s)| last_s - first_s)
 }
 
 fn file_name(path: &Path) -> String {

@@ -9,13 +9,13 @@ use rayon::prelude::*;
 
 use super::Ready;
 use super::progress::Listener;
+use crate::blind::answer::{NONE, UNKNOWN};
 use crate::blind::draw::Case;
 use crate::blind::{Mix, Planting};
 use crate::scenario::Simulation;
 use crate::simulate::CannotSimulate;
 
-/// Cases of a self-test; no case that is scored or calibrated on is ever drawn by its salt.
-const CASES: usize = 30;
+/// No case that is scored or calibrated on is ever drawn by this salt.
 const SALT: &str = "asami self-test 1";
 
 /// What became of the cases.
@@ -33,25 +33,34 @@ pub struct Counts {
     pub covered: [usize; 2],
     /// Confident names, above 0.9, and how many of them were wrong.
     pub confident: [usize; 2],
+    /// Cases whose logs showed nothing at all.
+    pub blind: usize,
 }
 
-/// Plants cases of this length and diagnoses each.
+/// Plants so many cases of this length and diagnoses each.
 ///
 /// # Errors
 /// If a case cannot be simulated.
-pub fn self_test(ready: &Ready, length_s: f64, listener: &dyn Listener) -> Result<Counts, CannotSimulate> {
+pub fn self_test(
+    ready: &Ready,
+    length_s: f64,
+    cases: usize,
+    listener: &dyn Listener,
+) -> Result<Counts, CannotSimulate> {
     let nominal = Simulation { duration_s: length_s, ..(*ready.held.simulation).clone() };
     let planting = Planting { nominal, salt: SALT.to_owned(), mix: Mix::default(), places: Vec::new() };
-    listener.begins("self-test", 0, CASES);
+    listener.begins("self-test", 0, cases);
     let counts = Mutex::new(Counts::default());
-    (0..CASES).into_par_iter().with_max_len(1).try_for_each(|i| {
+    (0..cases).into_par_iter().with_max_len(1).try_for_each(|i| {
         let case = planting.case(1 + i);
         let log = planting.simulate(&case, &ready.held.name)?.log;
-        // A robot that saw nothing says nothing.
-        if let Ok(diagnosis) = ready.diagnose(&log)
-            && let Ok(mut counts) = counts.lock()
-        {
-            counts.add(&case, &diagnosis);
+        let diagnosis = ready.diagnose(&log);
+        if let Ok(mut counts) = counts.lock() {
+            match diagnosis {
+                Ok(diagnosis) => counts.add(&truth(&case, &ready.without), &case, &diagnosis),
+                // A robot that saw nothing says nothing.
+                Err(_) => counts.blind += 1,
+            }
         }
         listener.steps();
         Ok::<(), CannotSimulate>(())
@@ -59,30 +68,39 @@ pub fn self_test(ready: &Ready, length_s: f64, listener: &dyn Listener) -> Resul
     Ok(counts.into_inner().unwrap_or_default())
 }
 
+/// The right answer: the planted effects' names in alphabetical order, *none*, or *unknown* where one of them is out of the
+/// catalogue.
+fn truth(case: &Case, without: &[String]) -> Vec<String> {
+    let mut truth: Vec<String> = case.planted.iter().map(|it| it.variant.about.name.to_owned()).collect();
+    if truth.is_empty() {
+        truth.push(NONE.to_owned());
+    } else if truth.iter().any(|name| without.contains(name)) {
+        truth = vec![UNKNOWN.to_owned()];
+    }
+    truth.sort();
+    truth
+}
+
 impl Counts {
-    fn add(&mut self, case: &Case, diagnosis: &Diagnosis) {
-        let mut truth: Vec<String> = case.planted.iter().map(|it| it.variant.about.name.to_owned()).collect();
-        truth.sort();
+    fn add(&mut self, expected: &[String], case: &Case, diagnosis: &Diagnosis) {
         let top = diagnosis.which.first();
         let named = top.map(|cause| {
             let mut named = cause.effects.clone();
             named.sort();
             named
         });
-        let none = vec!["none".to_owned()];
-        let expected = if truth.is_empty() { &none } else { &truth };
         let alike = |found: &[String]| {
             let group = |group: &Vec<String>| {
                 let is_in = |names: &[String]| names.iter().all(|name| group.contains(name));
                 found.len() == expected.len() && is_in(found) && is_in(expected)
             };
-            found == expected.as_slice() || diagnosis.cannot_tell_apart.iter().any(group)
+            found == expected || diagnosis.cannot_tell_apart.iter().any(group)
         };
-        let right = match truth.len() {
+        let right = match case.planted.len() {
             0 => diagnosis.verdict == Verdict::None,
             _ => named.as_deref().is_some_and(alike),
         };
-        let of = match truth.len() {
+        let of = match case.planted.len() {
             0 => &mut self.none,
             1 => &mut self.one,
             _ => &mut self.two,
@@ -124,6 +142,9 @@ impl Counts {
         say("all cases", self.in_set, "in the 90 % set");
         say("effects named rightly", self.covered, "sizes within the 90 % interval");
         say("names given with more than 0.9", self.confident, "wrong");
+        if self.blind > 0 {
+            let _ = writeln!(out, "self-test  {} more showed nothing at all", self.blind);
+        }
         out
     }
 }

@@ -1,10 +1,12 @@
 //! The verb `diagnose` as a user meets it, on a plain world that is played in moments.
 
+mod hostile;
+mod self_test;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use asami::scenario::{self, Origin};
-use asami_dataset::{Dataset, Log, store};
 use asami_gap::Diagnosis;
 use asami_gap::diagnosis::Verdict;
 
@@ -72,20 +74,29 @@ impl Bench {
     }
 
     fn diagnose(&self, log: &Path, out: &str, more: &[&str]) -> Output {
-        let (nominal, libraries, out) = (self.path("small.toml"), self.path("libraries"), self.path(out));
+        self.diagnose_with(&self.path("libraries"), log, out, more)
+    }
+
+    fn diagnose_with(&self, libraries: &Path, log: &Path, out: &str, more: &[&str]) -> Output {
+        let (nominal, out) = (self.path("small.toml"), self.path(out));
         let fixed = [
             "--calibrate",
             "0",
             "--nominal",
             utf8(&nominal),
             "--libraries",
-            utf8(&libraries),
+            utf8(libraries),
             "-o",
             utf8(&out),
             utf8(log),
         ];
         run(env!("CARGO_BIN_EXE_diagnose"), &[&fixed, more].concat())
     }
+}
+
+/// A library that is kept from test to test and from run to run, under the hash of what it hangs on.
+fn kept_library() -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("library")
 }
 
 fn utf8(path: &Path) -> &str {
@@ -141,35 +152,4 @@ fn a_planted_effect_is_named_and_repaired() {
     let diagnosis = answer(&folder);
     assert!(diagnosis.which.iter().all(|cause| cause.effects != ["command_delay"]), "{:?}", diagnosis.which);
     assert_eq!(folder.join("with_effect.toml").exists(), matches!(diagnosis.verdict, Verdict::Named | Verdict::Tied));
-}
-
-/// Logs that can show nothing, and requests that mean nothing, are refused with exit 2 before anything is played.
-#[test]
-fn what_shows_nothing_is_said_and_exits_2() {
-    let bench = Bench::new();
-    let whole = store::read(&bench.log("whole", "1004", &[])).expect("written");
-    let cut = |name: &str, change: &dyn Fn(&mut Log)| {
-        let mut log = whole.log.clone();
-        change(&mut log);
-        let folder = bench.path(name);
-        store::write(&Dataset { log, ..Dataset::default() }, &folder).expect("sound");
-        folder
-    };
-    let commands = cut("no_commands", &|log| log.commands = Vec::new().into());
-    let sightings = cut("no_sightings", &|log| log.sightings = Vec::new().into());
-    let one = cut("one_row", &|log| *log = log.window(0.0..0.2));
-    for (folder, why) in [
-        (&commands, "the log has no commands"),
-        (&sightings, "the log has no sightings"),
-        (&one, "nothing can be said"),
-        (&bench.path("nowhere"), "nowhere"),
-    ] {
-        let refused = bench.diagnose(folder, "out", &[]);
-        assert_eq!(refused.status.code(), Some(2), "{}", said(&refused.stderr));
-        assert!(said(&refused.stderr).contains(why), "{why}: {}", said(&refused.stderr));
-    }
-    let mistyped = bench.diagnose(&bench.path("whole"), "out", &["--without", "comand_delay"]);
-    assert_eq!(mistyped.status.code(), Some(2));
-    assert!(said(&mistyped.stderr).contains("did you mean command_delay?"), "{}", said(&mistyped.stderr));
-    assert!(!bench.path("out").exists() && !bench.path("libraries").exists());
 }
