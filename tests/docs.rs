@@ -67,25 +67,41 @@ fn the_commands_of_the_tutorial_run() {
     let pages = page("diagnosis.md") + &page("blind.md");
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::create_dir(folder.path().join("scenarios")).expect("made");
-    for name in ["plain_2d.toml", "blind_plain_2d.toml"] {
+    for name in ["plain_2d.toml", "blind_plain_2d.toml", "blind_foreign.toml"] {
         let shipped = std::fs::read_to_string(root.join("scenarios").join(name)).expect("shipped");
-        let uncalibrated = shipped.replace("calibration_cases = 400", "calibration_cases = 0");
+        let line = |line: &str| if line.starts_with("calibration_cases") { String::new() } else { format!("{line}\n") };
+        let uncalibrated: String = shipped.lines().map(line).collect();
         std::fs::write(folder.path().join("scenarios").join(name), uncalibrated).expect("written");
     }
     let blocks = pages.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
     let commands: Vec<&str> = blocks.flat_map(str::lines).collect();
-    assert_eq!(commands.len(), 6, "{commands:?}");
+    assert_eq!(commands.len(), 9, "{commands:?}");
+    let script = "benches/peers/kinematic_cases.py";
+    std::fs::create_dir_all(folder.path().join("benches/peers")).expect("made");
+    std::fs::copy(root.join(script), folder.path().join(script)).expect("shipped");
+    // The page's foreign program needs Python 3.11.
+    let python = Command::new("python3").args(["-c", "import tomllib"]).output().is_ok_and(|it| it.status.success());
     let answer = folder.path().join("results/diagnosis/001");
     for line in commands {
         // Whether there is an effect to repair hangs on what the catalogue's laws draw.
         if line.contains("with_effect.toml") && !answer.join("with_effect.toml").exists() {
             continue;
         }
+        let of_python = line.contains("python3") || line.contains("blind_foreign");
+        if of_python && !python {
+            continue;
+        }
         let words: Vec<&str> = line.split(' ').collect();
-        let ["cargo", "run", "--bin", program, ref arguments @ ..] = words[..] else { panic!("{line}") };
+        let (program, arguments) = match words[..] {
+            ["cargo", "run", "--bin", program, ref arguments @ ..] => (program, arguments),
+            ["python3", ref arguments @ ..] => ("python3", arguments),
+            _ => panic!("{line}"),
+        };
         let (program, more): (_, &[&str]) = match program {
             "generate" => (env!("CARGO_BIN_EXE_generate"), &[]),
+            "sweep" if of_python => (env!("CARGO_BIN_EXE_sweep"), &["--seeds", "2"]),
             "sweep" => (env!("CARGO_BIN_EXE_sweep"), &[]),
+            "python3" => ("python3", &["--cases", "2", "--duration-s", "60"]),
             "diagnose" => (env!("CARGO_BIN_EXE_diagnose"), &["--calibrate", "0"]),
             _ => panic!("{line}"),
         };

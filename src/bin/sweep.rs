@@ -37,7 +37,8 @@ struct Arguments {
     /// Only the rows of this name, as tables have it; may be given again
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
-    /// The recorded data, instead of the scenario's `source`
+    /// The recorded data, instead of the scenario's `source`; of a blind scenario another program's cases, instead of its
+    /// `cases_from`
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
 }
@@ -62,10 +63,15 @@ fn main() -> ExitCode {
     })
 }
 
-/// A blind scenario: of the options, only those on where results go and how many there are.
+/// A blind scenario: of the options, all but that on rows.
 fn in_the_dark(mut blind: blind::scenario::Blind, arguments: Arguments) -> Result<verb::Ending, miette::Report> {
-    if arguments.data.is_some() || !arguments.only.is_empty() {
-        miette::bail!("--data and --only are not for blind scenarios");
+    if !arguments.only.is_empty() {
+        miette::bail!("--only is not for blind scenarios");
+    }
+    match (&mut blind.asked.cases_from, arguments.data) {
+        (Some(folder), Some(data)) => *folder = data.display().to_string(),
+        (None, Some(_)) => miette::bail!("--data is for scenarios of recorded logs, or of another program's cases"),
+        _ => {}
     }
     if let Some(cases) = arguments.seeds {
         blind.asked.cases = cases as usize;

@@ -126,7 +126,7 @@ impl Key<'_> {
     fn estimate(&self, cause: &Cause) -> Option<(f64, bool)> {
         let [effect] = &self.reference.effects[..] else { return None };
         let found = cause.parameters.get(&format!("{}.{}", effect.name, effect.parameter))?;
-        let d_nats = self.reference.truth - self.reference.none;
+        let d_nats = self.reference.truth? - self.reference.none;
         if cause.effects != [effect.name.as_str()] || d_nats <= 0.0 {
             return None;
         }
@@ -140,11 +140,11 @@ impl Key<'_> {
         let Reference { none, truth, observations, .. } = *self.reference;
         let planted = cause.map_or_else(Vec::new, |cause| self.planted(cause));
         let found = if planted.is_empty() { none } else { self.likelihood.log_likelihood(&planted) };
-        let best = truth.max(found).max(none);
+        let best = truth.unwrap_or(none).max(found).max(none);
         let n = (observations.max(1)) as f64;
         (answer.excess_before, answer.excess_after, answer.gained) =
             ((best - none) / n, (best - found) / n, found - none);
-        if !self.reference.effects.is_empty() && best - none > 0.0 {
+        if let Some(truth) = truth.filter(|_| !self.reference.effects.is_empty() && best - none > 0.0) {
             answer.closed = Some((found - none) / (best - none));
             answer.oracle_closed = Some((truth - none) / (best - none));
         }
@@ -152,25 +152,24 @@ impl Key<'_> {
 
     /// A cause's effects at its values, as kinds of the catalogue.
     fn planted(&self, cause: &Cause) -> Vec<Planted> {
-        let of = |name: &String| {
-            let kinds = self.variants.iter().filter(|variant| variant.about.name == *name);
-            let value = |parameter: &str| cause.parameters.get(&format!("{name}.{parameter}")).map(|it| it.value);
-            let fits = |variant: &&Variant| {
-                let (parameter, null) = variant.sized();
-                let side = value(parameter).is_some_and(|value| (value - null) * variant.sign >= 0.0);
-                // Choices are whole numbers; what is not said is not held against a kind.
-                side && variant
-                    .choices
-                    .iter()
-                    .all(|(name, choice)| value(name).is_none_or(|value| (value - choice).abs() < 1e-6))
-            };
-            let variant = kinds.into_iter().find(fits)?.clone();
-            let (parameter, null) = variant.sized();
-            let size = (value(parameter)? - null).abs();
-            Some(Planted { variant, size })
-        };
+        let value = |path: String| cause.parameters.get(&path).map(|it| it.value);
+        let of = |name: &String| of_kind(self.variants, name, &|parameter| value(format!("{name}.{parameter}")));
         cause.effects.iter().filter_map(of).collect()
     }
+}
+
+/// An effect of these values as a kind of the catalogue at a size; what is not said is not held against a kind.
+pub(super) fn of_kind(variants: &[Variant], name: &str, value: &dyn Fn(&str) -> Option<f64>) -> Option<Planted> {
+    let fits = |variant: &&Variant| {
+        let (parameter, null) = variant.sized();
+        let side = value(parameter).is_some_and(|value| (value - null) * variant.sign >= 0.0);
+        let chosen = |(name, choice): &(&str, f64)| value(name).is_none_or(|value| (value - choice).abs() < 1e-6);
+        side && variant.choices.iter().all(chosen)
+    };
+    let variant = variants.iter().filter(|variant| variant.about.name == name).find(fits)?.clone();
+    let (parameter, null) = variant.sized();
+    let size = (value(parameter)? - null).abs();
+    Some(Planted { variant, size })
 }
 
 /// What a diagnosis names: by its verdict *none*, *unknown*, or its most probable effects.

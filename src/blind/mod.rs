@@ -4,6 +4,7 @@
 pub mod answer;
 pub mod draw;
 pub mod field;
+pub mod folder;
 pub mod referee;
 pub mod rows;
 pub mod scenario;

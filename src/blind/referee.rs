@@ -7,6 +7,7 @@ use asami_math::optimise::golden_section;
 use serde::{Deserialize, Serialize};
 
 use super::scenario::Asked;
+use super::withhold::Unlisted;
 
 /// Sizes at which every kind of effect is tried.
 const GRID: usize = 5;
@@ -43,13 +44,13 @@ pub struct Reference {
     pub effects: Vec<Effect>,
     /// Log-likelihood of the log in the nominal world.
     pub none: f64,
-    /// In the true world.
-    pub truth: f64,
+    /// In the true world; `None` where something is in it that the catalogue has no name for.
+    pub truth: Option<f64>,
     /// `l(truth) - l(none)`, each less its half `k log n`.
     pub d_det: Option<f64>,
     /// `l(truth)` less the best of the hypotheses outside the truth's group, each less its half `k log n`; without an
     /// effect, *none* is the truth.
-    pub d_sep: f64,
+    pub d_sep: Option<f64>,
     /// Observations.
     pub observations: usize,
 }
@@ -84,7 +85,30 @@ pub fn judge(likelihood: &dyn Likelihood, planted: &[Planted], variants: &[Varia
     let outside = rivals.iter().filter(|rival| !stands_for(&names(&rival.planted), &effects));
     let best = outside.map(|rival| rival.score).fold(f64::NEG_INFINITY, f64::max);
     let d_det = (!planted.is_empty()).then(|| score(planted) - none);
-    Reference { effects, none, truth, d_det, d_sep: score(planted) - best, observations }
+    Reference { effects, none, truth: Some(truth), d_det, d_sep: Some(score(planted) - best), observations }
+}
+
+/// Judges a case whose truth the catalogue has no name for, and the referee no likelihood: only where it acts is known.
+#[must_use]
+pub fn judge_unlisted(likelihood: &dyn Likelihood, unlisted: &[Unlisted]) -> Reference {
+    let effect = |it: &Unlisted| Effect {
+        name: it.name.clone(),
+        place: it.place.clone(),
+        block: it.block.clone(),
+        parameter: "size".to_owned(),
+        value: it.size,
+        size: it.size,
+        sizes: (it.size, it.size),
+        group: vec![it.name.clone()],
+    };
+    Reference {
+        effects: unlisted.iter().map(effect).collect(),
+        none: likelihood.log_likelihood(&[]),
+        truth: None,
+        d_det: None,
+        d_sep: None,
+        observations: likelihood.observations(),
+    }
 }
 
 /// What stays of the truth while another effect is tried: nothing, and of two effects each.

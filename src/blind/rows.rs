@@ -48,7 +48,7 @@ fn row(scenario: &str, diagnoser: &str, record: &Record, answer: &Answer) -> Vec
         record.number.to_string(),
         truth,
         optional(reference.and_then(|reference| reference.d_det)),
-        optional(reference.map(|reference| reference.d_sep)),
+        optional(reference.and_then(|reference| reference.d_sep)),
         answer.verdict.clone(),
         answer.named.join("+"),
         numbers(answer.probability),

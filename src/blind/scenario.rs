@@ -45,8 +45,11 @@ pub struct Asked {
     pub duration_s: f64,
     /// How many cases.
     pub cases: usize,
-    /// What every draw follows from.
+    /// What every draw follows from; none where cases are others'.
+    #[serde(default)]
     pub salt: String,
+    /// The folder of cases that another program wrote, in the layout of `generate --withhold`.
+    pub cases_from: Option<String>,
     /// How many effects are planted.
     #[serde(default)]
     pub mix: Mix,
@@ -205,6 +208,23 @@ impl Asked {
         let mut fault = |path: String, message: String| faults.push(Fault { path, message });
         if self.about.trim().is_empty() {
             fault("about".into(), "about must state the question that the scenario asks, not nothing".into());
+        }
+        match &self.cases_from {
+            None if self.salt.is_empty() => {
+                fault("salt".into(), "salt must be some text, or cases_from a folder".into())
+            }
+            Some(_) if !self.salt.is_empty() => {
+                fault(
+                    "cases_from".into(),
+                    "cases_from (another program's cases) and salt (our own) exclude each other".into(),
+                );
+            }
+            Some(_) if self.without_truth => {
+                let message =
+                    "without_truth needs keys before a diagnosis; those of cases_from are opened after all of them";
+                fault("without_truth".into(), message.into());
+            }
+            _ => {}
         }
         if self.mix.none_share + self.mix.one_share > 1.0 + 1e-9 {
             fault("mix".into(), "none_share and one_share must not exceed 1 together".into());

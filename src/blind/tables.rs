@@ -158,8 +158,9 @@ pub fn verdicts(results: &Results) -> Vec<Verdict> {
 fn verdict(results: &Results, expect: &Expect) -> Verdict {
     let i = results.blind.asked.diagnosers.iter().position(|name| *name == expect.diagnoser);
     let is_asked = |it: &Asked<'_>| {
-        expect.d_sep_min.is_none_or(|least| it.reference.d_sep >= least)
-            && expect.d_sep_max.is_none_or(|most| it.reference.d_sep < most)
+        let (least, most) = (expect.d_sep_min, expect.d_sep_max);
+        let nats = least.unwrap_or(f64::NEG_INFINITY)..most.unwrap_or(f64::INFINITY);
+        ((least, most) == (None, None) || it.is_separated(nats))
             && expect.effects.is_none_or(|count| it.record.planted.len() == count)
     };
     let cases: Vec<Asked<'_>> = i.map_or_else(Vec::new, |i| asked(results, i).filter(is_asked).collect());

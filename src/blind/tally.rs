@@ -25,6 +25,12 @@ impl Asked<'_> {
     pub fn is_planted(&self) -> bool {
         !self.record.planted.is_empty()
     }
+
+    /// Whether the log tells the truth from everything else by so many nats.
+    #[must_use]
+    pub fn is_separated(&self, nats: std::ops::Range<f64>) -> bool {
+        self.reference.d_sep.is_some_and(|d_sep| nats.contains(&d_sep))
+    }
 }
 
 /// A share of cases.
@@ -79,7 +85,9 @@ impl Stratum {
     /// Whether a case belongs to it.
     #[must_use]
     pub fn holds(&self, asked: &Asked<'_>) -> bool {
-        (self.from..self.to).contains(&asked.reference.d_sep)
+        let is_all = (self.from, self.to) == (f64::NEG_INFINITY, f64::INFINITY);
+        // Of some cases nobody can say how far their truth is separated.
+        is_all || asked.is_separated(self.from..self.to)
     }
 }
 
@@ -165,8 +173,9 @@ pub fn measure(measure: Measure, cases: &[Asked<'_>]) -> Measured {
         }
         Measure::ParameterCovered => Share::over(all().filter_map(|asked| asked.answer.parameter_covered)).into(),
         Measure::ClosedRatio => {
-            let (found, oracle) = planted().fold((0.0, 0.0), |(found, oracle), asked| {
-                (found + asked.answer.gained, oracle + asked.reference.truth - asked.reference.none)
+            let judged = planted().filter_map(|asked| Some((asked, asked.reference.truth?)));
+            let (found, oracle) = judged.fold((0.0, 0.0), |(found, oracle), (asked, truth)| {
+                (found + asked.answer.gained, oracle + truth - asked.reference.none)
             });
             (oracle > 0.0).then_some(found / oracle).into()
         }

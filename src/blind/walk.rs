@@ -1,17 +1,21 @@
-//! From a blind scenario to records: plan cases, simulate, let every diagnoser see the log alone, score, keep.
+//! From a blind scenario to records: plan cases, simulate or read them, let every diagnoser see the log alone, score, keep.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::time::Instant;
 
 use asami_dataset::Log;
-use asami_gap::{Diagnoses, Judges, Variant};
+use asami_gap::{Diagnoses, Diagnosis, Judges, Variant};
 use rayon::prelude::*;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::answer::{Answer, Key};
 use super::draw::{Case, Planting};
+use super::folder::{CannotOpen, Folder};
 use super::referee::{self, Reference};
 use super::scenario::Blind;
+use crate::diagnose::limits::limits;
 use crate::sweep::cases::Store;
 use crate::sweep::{CannotSweep, Options, Timing, Watcher};
 use crate::trial::{self, panic_message};
@@ -70,82 +74,166 @@ pub struct Results {
     pub records: Vec<Record>,
 }
 
+/// Why there are no results.
+#[derive(Debug, thiserror::Error)]
+pub enum CannotRun {
+    /// Files cannot be written.
+    #[error(transparent)]
+    Sweep(#[from] CannotSweep),
+    /// Another program's cases cannot be used.
+    #[error(transparent)]
+    Open(#[from] CannotOpen),
+}
+
 /// Runs the cases that are not done yet, and gives all of them.
 ///
 /// # Errors
-/// [`CannotSweep`] if files cannot be written; nothing that happens inside a case is an error here.
+/// [`CannotRun`] if files cannot be written, or another program's cases not be read; nothing that happens inside a case is
+/// an error here.
 pub fn run(
     blind: &Blind,
     contest: &dyn Contest,
     options: &Options,
     watcher: &dyn Watcher,
-) -> Result<Results, CannotSweep> {
+) -> Result<Results, CannotRun> {
+    let records = match &blind.asked.cases_from {
+        None => drawn(blind, contest, options, watcher)?,
+        Some(folder) => foreign(blind, Path::new(folder), contest, options, watcher)?,
+    };
+    Ok(Results { blind: blind.clone(), records })
+}
+
+/// Cases drawn by the salt: each is simulated, diagnosed and scored at once.
+fn drawn(
+    blind: &Blind,
+    contest: &dyn Contest,
+    options: &Options,
+    watcher: &dyn Watcher,
+) -> Result<Vec<Record>, CannotSweep> {
     let parts = [blind.hash(), contest.fingerprint(), options.program.clone()];
     let store = Store::open(&options.out, blake3::hash(parts.join("\n").as_bytes()).to_hex().as_ref())?;
-    let numbers: Vec<usize> = (1..=blind.asked.cases).collect();
-    let found = store.find::<Record>(&numbers.iter().map(|number| name(*number)).collect::<Vec<_>>())?;
-    watcher.begins(&found.count, blind.asked.diagnosers.len());
     let planting = Planting {
         nominal: blind.world.clone(),
         salt: blind.asked.salt.clone(),
         mix: blind.asked.mix.clone(),
         places: blind.asked.places.clone(),
     };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build()?;
+    let make = |number: usize| run_case(blind, contest, &planting, &planting.case(number));
+    each(&store, blind, options, watcher, &make, &|record: &Record| (!record.is_broken(), record.timing.clone()))
+}
+
+/// Another program's cases: all are diagnosed, and what is said of them written down, before the first key is opened.
+fn foreign(
+    blind: &Blind,
+    folder: &Path,
+    contest: &dyn Contest,
+    options: &Options,
+    watcher: &dyn Watcher,
+) -> Result<Vec<Record>, CannotRun> {
+    let folder = Folder::new(folder, blind.asked.cases)?;
+    let parts = [blind.hash(), contest.fingerprint(), folder.fingerprint()?, options.program.clone()];
+    let out = options.out.join("diagnoses");
+    let store = Store::open(&out, blake3::hash(parts.join("\n").as_bytes()).to_hex().as_ref())?;
+    let make = |number: usize| {
+        let log = folder.log(number - 1).map_err(|error| error.to_string());
+        let log = log.and_then(|log| limits(&log).map_err(|error| error.to_string())).map(|limited| limited.log);
+        let diagnosers = contest.diagnosers(&[]);
+        let told = diagnosers.iter().map(|diagnoser| match &log {
+            Ok(log) => tell(&**diagnoser, log),
+            Err(error) => Told { said: Err(error.clone()), took_s: 0.0 },
+        });
+        told.collect::<Vec<Told>>()
+    };
+    let timing = |told: &Vec<Told>| Timing { log_s: 0.0, trials_s: told.iter().map(|it| it.took_s).collect() };
+    let kept = |told: &Vec<Told>| (told.iter().all(|it| !it.panicked()), timing(told));
+    let told = each(&store, blind, options, watcher, &make, &kept)?;
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build().map_err(CannotSweep::from)?;
     let records = pool.install(|| {
+        let all = told.into_par_iter().enumerate().with_max_len(1);
+        all.map(|(i, told)| open_and_score(blind, contest, &folder, i, told)).collect::<Result<Vec<_>, _>>()
+    });
+    Ok(records?)
+}
+
+/// Makes what is not kept of each case, by number from 1; what `worth` says no to is tried again next time.
+fn each<R: Serialize + DeserializeOwned + Send>(
+    store: &Store,
+    blind: &Blind,
+    options: &Options,
+    watcher: &dyn Watcher,
+    make: &(dyn Fn(usize) -> R + Sync),
+    worth: &(dyn Fn(&R) -> (bool, Timing) + Sync),
+) -> Result<Vec<R>, CannotSweep> {
+    let numbers: Vec<usize> = (1..=blind.asked.cases).collect();
+    let found = store.find::<R>(&numbers.iter().map(|number| name(*number)).collect::<Vec<_>>())?;
+    watcher.begins(&found.count, blind.asked.diagnosers.len());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build()?;
+    pool.install(|| {
         let work: Vec<_> = numbers.into_iter().zip(found.records).collect();
         work.into_par_iter()
             // One at a time: a case takes seconds, and a thread must not sit on a queue of them.
             .with_max_len(1)
             .map(|(number, done)| {
-                if let Some(record) = done {
-                    return Ok(record);
+                if let Some(done) = done {
+                    return Ok(done);
                 }
-                let record = run_case(blind, contest, &planting, &planting.case(number));
-                // A case that broke is tried again next time.
-                if !record.is_broken() {
-                    store.keep(&name(number), &record)?;
+                let made = make(number);
+                let (is_worth, timing) = worth(&made);
+                if is_worth {
+                    store.keep(&name(number), &made)?;
                 }
-                watcher.finished(&trial::Case { seed: number as u64, ..trial::Case::default() }, &record.timing);
-                Ok(record)
+                watcher.finished(&trial::Case { seed: number as u64, ..trial::Case::default() }, &timing);
+                Ok(made)
             })
-            .collect::<Result<Vec<_>, CannotSweep>>()
-    })?;
-    Ok(Results { blind: blind.clone(), records })
+            .collect()
+    })
 }
 
 fn name(number: usize) -> String {
     format!("{number:05}")
 }
 
+impl Record {
+    /// A case of which nothing is known yet.
+    fn blank(blind: &Blind, number: usize, planted: Vec<String>) -> Self {
+        let diagnosers = blind.asked.diagnosers.len();
+        Self {
+            number,
+            reference: None,
+            planted,
+            withheld: Vec::new(),
+            answers: vec![Answer::default(); diagnosers],
+            error: String::new(),
+            timing: Timing { log_s: 0.0, trials_s: vec![0.0; diagnosers] },
+        }
+    }
+
+    fn failed(self, error: String) -> Self {
+        Self { error, ..self }
+    }
+
+    /// The log shows nothing at all.
+    fn unanswered(mut self, error: &str) -> Self {
+        self.answers.iter_mut().for_each(|answer| answer.error = error.to_owned());
+        self
+    }
+}
+
 fn run_case(blind: &Blind, contest: &dyn Contest, planting: &Planting, case: &Case) -> Record {
     let began = Instant::now();
-    let planted: Vec<String> = case.planted.iter().map(|it| it.variant.about.name.to_owned()).collect();
-    let mut record = Record {
-        number: case.number,
-        reference: None,
-        planted,
-        withheld: Vec::new(),
-        answers: vec![Answer::default(); blind.asked.diagnosers.len()],
-        error: String::new(),
-        timing: Timing { log_s: 0.0, trials_s: vec![0.0; blind.asked.diagnosers.len()] },
-    };
+    let planted = case.planted.iter().map(|it| it.variant.about.name.to_owned()).collect();
+    let mut record = Record::blank(blind, case.number, planted);
     let made = catch_unwind(AssertUnwindSafe(|| planting.simulate(case, &blind.nominal)))
         .map_or_else(|panic| Err(panic_message(&*panic)), |made| made.map_err(|error| error.to_string()));
     // Truth and survey end here: what follows is given the log.
     let log = match made {
         Ok(dataset) => dataset.log,
-        Err(error) => {
-            record.error = error;
-            return record;
-        }
+        Err(error) => return record.failed(error),
     };
     let likelihood = match contest.judges().of(&log) {
         Ok(likelihood) => likelihood,
-        Err(error) => {
-            record.answers.iter_mut().for_each(|answer| answer.error = error.to_string());
-            return record;
-        }
+        Err(error) => return record.unanswered(&error.to_string()),
     };
     let reference = referee::judge(&*likelihood, &case.planted, contest.variants(), &blind.asked);
     if blind.asked.without_truth {
@@ -160,23 +248,80 @@ fn run_case(blind: &Blind, contest: &dyn Contest, planting: &Planting, case: &Ca
     };
     let diagnosers = contest.diagnosers(&record.withheld);
     for (i, diagnoser) in diagnosers.iter().enumerate().take(record.answers.len()) {
-        let (answer, took_s) = ask(&**diagnoser, &log, &key);
-        (record.answers[i], record.timing.trials_s[i]) = (answer, took_s);
+        let told = tell(&**diagnoser, &log);
+        record.timing.trials_s[i] = told.took_s;
+        record.answers[i] = told.scored(&key);
     }
     record.reference = Some(reference);
     record
 }
 
+/// Opens the key of the `i`-th of another program's cases, and holds what was said of it against the key.
+fn open_and_score(
+    blind: &Blind,
+    contest: &dyn Contest,
+    folder: &Folder,
+    i: usize,
+    told: Vec<Told>,
+) -> Result<Record, CannotOpen> {
+    let opened = folder.open(i, contest.variants())?;
+    let mut record = Record::blank(blind, i + 1, opened.names());
+    record.withheld = opened.unlisted.iter().map(|it| it.name.clone()).collect();
+    record.timing.trials_s = told.iter().map(|it| it.took_s).collect();
+    let log = match folder.log(i) {
+        Ok(log) => log,
+        Err(error) => return Ok(record.failed(error.to_string())),
+    };
+    let limited = limits(&log).map_err(|error| error.to_string());
+    let likelihood = match &limited {
+        Ok(limited) => contest.judges().of(&limited.log).map_err(|error| error.to_string()),
+        Err(error) => Err(error.clone()),
+    };
+    let likelihood = match likelihood {
+        Ok(likelihood) => likelihood,
+        Err(error) => return Ok(record.unanswered(&error)),
+    };
+    let reference = if opened.unlisted.is_empty() {
+        referee::judge(&*likelihood, &opened.planted, contest.variants(), &blind.asked)
+    } else {
+        referee::judge_unlisted(&*likelihood, &opened.unlisted)
+    };
+    let key = Key {
+        reference: &reference,
+        withheld: !record.withheld.is_empty(),
+        likelihood: &*likelihood,
+        variants: contest.variants(),
+    };
+    record.answers = told.into_iter().map(|told| told.scored(&key)).collect();
+    record.reference = Some(reference);
+    Ok(record)
+}
+
+/// What a diagnoser says of a log, before anybody has opened its key.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Told {
+    said: Result<Diagnosis, String>,
+    took_s: f64,
+}
+
+impl Told {
+    fn panicked(&self) -> bool {
+        self.said.as_ref().is_err_and(|error| error.starts_with(PANICKED))
+    }
+
+    fn scored(self, key: &Key<'_>) -> Answer {
+        self.said.map_or_else(|error| Answer { error, ..Answer::default() }, |diagnosis| key.score(&diagnosis))
+    }
+}
+
 /// One diagnoser on one log.
-fn ask(diagnoser: &dyn Diagnoses, log: &Log, key: &Key<'_>) -> (Answer, f64) {
+fn tell(diagnoser: &dyn Diagnoses, log: &Log) -> Told {
     let began = Instant::now();
     let found = catch_unwind(AssertUnwindSafe(|| diagnoser.diagnose(log)));
     let took_s = began.elapsed().as_secs_f64();
-    let failed = |error: String| Answer { error, ..Answer::default() };
-    let answer = match found {
-        Ok(Ok(diagnosis)) => key.score(&diagnosis),
-        Ok(Err(error)) => failed(error.to_string()),
-        Err(panic) => failed(panic_message(&*panic)),
+    let said = match found {
+        Ok(told) => told.map_err(|error| error.to_string()),
+        Err(panic) => Err(panic_message(&*panic)),
     };
-    (answer, took_s)
+    Told { said, took_s }
 }

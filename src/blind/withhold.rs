@@ -32,9 +32,26 @@ pub struct Key {
     pub duration_s: f64,
     /// The seed of commands, start and noise.
     pub seed: u64,
+    /// What another program planted that the catalogue has no name for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unlisted: Vec<Unlisted>,
     /// What was planted beside the nominal world's own effects.
     #[serde(default)]
     pub effects: Effects,
+}
+
+/// An effect that the catalogue has no name for: the right answer is *unknown*.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Unlisted {
+    /// In its planter's words.
+    pub name: String,
+    /// Where it acts: `actuation`, `dynamics`, `sensing` or `scene`.
+    pub place: String,
+    /// Which flexible block it shows in: `static_motion`, `timing`, `drift`, `sensor` or `noise`.
+    pub block: String,
+    /// How large it is, in its planter's unit.
+    pub size: f64,
 }
 
 /// `keys/salt.toml`.
@@ -105,6 +122,7 @@ pub fn withhold(
             nominal: scenario.to_owned(),
             duration_s: planting.nominal.duration_s,
             seed: case.seed.0,
+            unlisted: Vec::new(),
             effects: case.effects(),
         };
         write_key(&key, &log, truth, &keys.join(&name))?;
@@ -148,7 +166,7 @@ fn publish(making: &Path, cases: &Path) -> Result<(), CannotWithhold> {
     Ok(())
 }
 
-fn sorted(folder: &Path) -> Result<Vec<PathBuf>, CannotWithhold> {
+pub(super) fn sorted(folder: &Path) -> Result<Vec<PathBuf>, CannotWithhold> {
     let entries = match fs::read_dir(folder) {
         Ok(entries) => entries.collect::<Result<Vec<_>, _>>().map_err(file(folder))?,
         // No case, no folder.

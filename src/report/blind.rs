@@ -82,7 +82,7 @@ fn finished(results: &Results, tables: &[(String, Table)], verdicts: &[Verdict])
 fn answer(results: &Results, verdicts: &[Verdict]) -> String {
     let Some(name) = results.blind.asked.diagnosers.first() else { return String::new() };
     let separated: Vec<Asked<'_>> =
-        asked(results, 0).filter(|it| it.is_planted() && it.reference.d_sep >= 10.0).collect();
+        asked(results, 0).filter(|it| it.is_planted() && it.is_separated(10.0..f64::INFINITY)).collect();
     let right = measure(Measure::TopGroupRight, &separated).share.unwrap_or_default();
     let all: Vec<Asked<'_>> = asked(results, 0).collect();
     let none = measure(Measure::NoneCalledElse, &all).share.unwrap_or_default();
@@ -106,8 +106,9 @@ fn figures(results: &Results) -> Vec<Figure> {
     let curve = |i: usize| reliability(asked(results, i)).iter().map(|bin| bar(bin.probability, bin.right)).collect();
     let reliability: Vec<curves::Bars> = diagnosers().map(|(i, name)| (name.clone(), curve(i))).collect();
     let dots = |i: usize| {
-        let planted = asked(results, i).filter(|it| it.is_planted() && it.reference.d_sep < 100.0);
-        planted.map(|it| [it.reference.d_sep, it.answer.true_probability]).collect::<Vec<_>>()
+        let planted = asked(results, i).filter(|it| it.is_planted());
+        let separated = planted.filter_map(|it| Some([it.reference.d_sep?, it.answer.true_probability]));
+        separated.filter(|[d_sep, _]| *d_sep < 100.0).collect::<Vec<_>>()
     };
     let separation: Vec<_> = diagnosers().take(1).map(|(i, name)| (name.clone(), dots(i))).collect();
     let mut figures = vec![curves::reliability(&reliability), curves::separation(&separation)];
@@ -134,7 +135,7 @@ fn every_case(results: &Results) -> Section {
     for record in &results.records {
         for (name, answer) in results.blind.asked.diagnosers.iter().zip(&record.answers) {
             let planted = if record.planted.is_empty() { "none".to_owned() } else { record.planted.join("+") };
-            let d_sep = record.reference.as_ref().map_or(f64::NAN, |reference| reference.d_sep);
+            let d_sep = record.reference.as_ref().and_then(|reference| reference.d_sep).unwrap_or(f64::NAN);
             let error = if record.error.is_empty() { &answer.error } else { &record.error };
             let cells: [Cell; 10] = [
                 Cell::number(record.number as f64, 0),

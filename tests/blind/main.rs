@@ -1,5 +1,7 @@
 //! Blind sweeps: diagnosers see logs alone, results are the same whatever happened on the way, and counts are right.
 
+mod folder;
+
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -14,7 +16,7 @@ use asami::sweep::{Options, Silent, Timing};
 use asami_dataset::Log;
 use asami_gap::{CannotDiagnose, Diagnoses, Diagnosis, Judges, Likelihood, Planted, Variant};
 
-const PLAIN: &str = include_str!("../scenarios/plain_2d.toml");
+const PLAIN: &str = include_str!("../../scenarios/plain_2d.toml");
 
 const ASKED: &str = r#"
 schema = 1
@@ -214,7 +216,14 @@ fn record(planted: &[&str], named: &str, probability: f64, right: bool, d_sep: f
     };
     Record {
         number: 1,
-        reference: Some(Reference { effects, none: -10.0, truth: 10.0, d_det: None, d_sep, observations: 10 }),
+        reference: Some(Reference {
+            effects,
+            none: -10.0,
+            truth: Some(10.0),
+            d_det: None,
+            d_sep: Some(d_sep),
+            observations: 10,
+        }),
         planted: planted.iter().map(|name| (*name).to_owned()).collect(),
         withheld: Vec::new(),
         answers: vec![answer],
@@ -286,7 +295,8 @@ fn answers_are_held_against_the_groups_of_the_truth() {
     };
     let likelihood = OfBytes { base: 0.0 };
     let score = |effects: Vec<Effect>, withheld: bool, named: &[Planted]| {
-        let reference = Reference { effects, none: -50.0, truth: 0.0, d_det: None, d_sep: 20.0, observations: 10 };
+        let reference =
+            Reference { effects, none: -50.0, truth: Some(0.0), d_det: None, d_sep: Some(20.0), observations: 10 };
         let key = Key { reference: &reference, withheld, likelihood: &likelihood, variants: &variants };
         key.score(&Diagnosis::flat(named))
     };
@@ -326,6 +336,9 @@ fn scenarios_are_checked_and_the_shipped_ones_are_sound() {
         ("duration_s = 5", "duration_s = 0", "duration_s must lie in 1..=3600 s, not 0"),
         ("max = 1.0", "", "must have min, max or both"),
         ("salt = \"1000\"", "salt = \"1000\"\ngroups = [[\"slop\"]]", "there is no effect slop"),
+        ("salt = \"1000\"", "", "salt must be some text, or cases_from a folder"),
+        ("salt = \"1000\"", "salt = \"1000\"\ncases_from = \"x\"", "exclude each other"),
+        ("salt = \"1000\"", "cases_from = \"x\"\nwithout_truth = true", "opened after all of them"),
         ("measure = \"none_called_else\"", "measure = \"nothing\"", "unknown variant"),
         ("schema = 1", "schema = 2", "schema must be 1 for this program, not 2"),
     ] {
