@@ -339,7 +339,7 @@ impl<'a> Ready<'a> {
         let ln_scale = [ln(l[(0, 0)] * spread[0]), ln(l[(1, 1)] * spread[1])];
         let squares = white[0] * white[0] + white[1] * white[1];
         let density = self.ln_genuine - 0.5 * squares - ln(TAU) - ln_scale[0] - ln_scale[1];
-        let off_rad = wrap_rad(bearing_rad - view.steps[i].pan_rad);
+        let off_rad = if view.misses { wrap_rad(bearing_rad - view.steps[i].pan_rad) } else { 0.0 };
         let elsewhere = self.ln_false + self.shape.ln_elsewhere(size, off_rad);
         let greater = density.max(elsewhere);
         let log_likelihood = greater + ln(exp(density - greater) + exp(elsewhere - greater));

@@ -169,7 +169,8 @@ impl View {
         Sight {
             distance_m: hypot(dx, dy),
             bearing_rad,
-            off_rad: wrap_rad(bearing_rad - step.pan_rad),
+            // Where the head looked is in the frames alone.
+            off_rad: if self.misses { wrap_rad(bearing_rad - step.pan_rad) } else { 0.0 },
             pan_rad_per_s: step.pan_rad_per_s,
             theta_rad,
             landmark,

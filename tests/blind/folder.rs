@@ -17,8 +17,12 @@ fn cases_of_a_folder_are_scored_like_drawn_ones_and_keys_are_opened_last() {
     let drawn = blind(&text);
     let dir = tempfile::tempdir().expect("made");
     let folder = dir.path().join("foreign");
-    let planting =
-        Planting { nominal: drawn.world.clone(), salt: drawn.asked.salt.clone(), mix: drawn.asked.mix.clone() };
+    let planting = Planting {
+        nominal: drawn.world.clone(),
+        salt: drawn.asked.salt.clone(),
+        mix: drawn.asked.mix.clone(),
+        places: drawn.asked.places.clone(),
+    };
     withhold(&planting, "plain_2d", 8, &folder, &|_| {}).expect("written");
     let from = format!("cases_from = \"{}\"", folder.display());
     let foreign = blind(&text.replace("salt = \"1000\"", &from));

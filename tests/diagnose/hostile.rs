@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use asami_dataset::{Command, Dataset, Frame, Log, Sighting, store};
+use asami_gap::diagnosis::Verdict;
 
 use crate::{Bench, answer, kept_library, said};
 
@@ -111,9 +112,11 @@ fn what_shows_little_is_diagnosed_with_a_note() {
         let sum: f64 = which.iter().map(|cause| cause.probability).sum();
         assert!(sum > 0.99 && sum < 1.0 + 1e-9, "{name}: {which:?}");
     }
-    // By another clock, the same is said.
-    let verdict = |name: &str| answer(&bench.path(&format!("out_{name}"))).verdict;
-    assert_eq!(verdict("epoch"), verdict("whole_again"));
+    // Of the nominal world, with gaps or by another clock, nothing is said that was not there.
+    for name in ["whole_again", "pause", "gap", "set", "epoch", "frameless"] {
+        let verdict = answer(&bench.path(&format!("out_{name}"))).verdict;
+        assert_eq!(verdict, Verdict::None, "{name}");
+    }
 }
 
 /// Everything below a folder, by name.
