@@ -114,16 +114,8 @@ impl Diagnosis {
             true => vec!["none".to_owned()],
             false => named.iter().map(|planted| planted.variant.about.name.to_owned()).collect(),
         };
-        let of = |planted: &Planted| {
-            let name = planted.variant.about.name;
-            let values = planted.variant.values(planted.size).into_iter();
-            // What has no interval says so by one of no width.
-            values
-                .map(move |(parameter, value)| {
-                    (format!("{name}.{parameter}"), Estimate { value, interval: [value; 2] })
-                })
-                .collect::<Vec<_>>()
-        };
+        // What has no interval says so by one of no width.
+        let of = |planted: &Planted| Estimate::of(planted, [planted.size; 2]);
         let cause = Cause {
             effects: effects.clone(),
             probability: 1.0,

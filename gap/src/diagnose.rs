@@ -22,8 +22,8 @@ const NOT_NONE: f64 = 0.1;
 const INADEQUATE: f64 = 0.01;
 /// Evidence at which an effect would have shown.
 const VISIBLE_NATS: f64 = 12.0;
-/// Causes less probable than this are left out.
-const NEGLIGIBLE: f64 = 1e-4;
+/// Causes less probable than this are left out: every cause has as much for the chance that all evidence misleads.
+const NEGLIGIBLE: f64 = 1e-3;
 
 /// All that a diagnosis of logs of one nominal world needs.
 #[derive(Clone, Copy)]
@@ -117,7 +117,7 @@ impl Diagnoser<'_> {
                 parameters: planted
                     .iter()
                     .flat_map(|(planted, interval)| {
-                        estimates(planted, self.calibration.interval(planted.size, *interval))
+                        Estimate::of(planted, self.calibration.interval(planted.size, *interval))
                     })
                     .collect(),
             }
@@ -141,18 +141,6 @@ impl Diagnoser<'_> {
 
 fn split(cause: &str) -> Vec<String> {
     cause.split('+').map(str::to_owned).collect()
-}
-
-/// Values of a planted effect's parameters.
-fn estimates(planted: &Planted, interval: [f64; 2]) -> Vec<(String, Estimate)> {
-    let at = |size: f64| planted.variant.values(size);
-    let (middle, ends) = (at(planted.size), interval.map(at));
-    let values = middle.iter().enumerate().map(|(i, (name, value))| {
-        let (a, b) = (ends[0][i].1, ends[1][i].1);
-        let estimate = Estimate { value: *value, interval: [a.min(b), a.max(b)] };
-        (format!("{}.{name}", planted.variant.about.name), estimate)
-    });
-    values.collect()
 }
 
 fn verdict(

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::plant::Planted;
+
 /// Version of the form.
 pub const SCHEMA: u32 = 1;
 
@@ -125,6 +127,20 @@ pub struct Estimate {
     pub value: f64,
     /// Its 90 % interval.
     pub interval: [f64; 2],
+}
+
+impl Estimate {
+    /// The values of a planted effect's parameters, by `NAME.PARAM`, with those at the ends of an interval of sizes.
+    #[must_use]
+    pub fn of(planted: &Planted, interval: [f64; 2]) -> Vec<(String, Self)> {
+        let at = |size: f64| planted.variant.values(size);
+        let ends = interval.map(at);
+        let values = at(planted.size).into_iter().enumerate().map(|(i, (name, value))| {
+            let (a, b) = (ends[0][i].1, ends[1][i].1);
+            (format!("{}.{name}", planted.variant.about.name), Self { value, interval: [a.min(b), a.max(b)] })
+        });
+        values.collect()
+    }
 }
 
 /// What probabilities were calibrated on.

@@ -32,6 +32,7 @@ pub mod rivals;
 pub mod shape;
 pub mod shrink;
 pub mod sighted;
+pub mod sizes;
 pub mod state;
 pub mod view;
 

@@ -2,20 +2,21 @@
 //! effect changes that, by its size.
 
 use asami_dataset::{Dataset, Log, Seed};
-use asami_math::elementary::{exp, ln};
+use asami_math::elementary::ln;
 use asami_sim::effect::{Block, Place};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::blocks::polished;
 use crate::drive::Drives;
-use crate::fit::{Free, changed, nominal as fitted, remembered, shape};
+use crate::fit::{self, Free, changed, remembered};
 use crate::judge::Judge;
 use crate::memory::Memory;
 use crate::nominal::{CannotPlay, Nominal};
 use crate::plant::{Planted, Variant};
 use crate::shape::{Numbers, ORDER, Shape};
 use crate::sighted::Sighted;
+use crate::sizes::{spaced, straight, through};
 use crate::view::CannotSee;
 
 /// How much is played for a library.
@@ -179,9 +180,9 @@ impl Base {
     /// The response that runs of the nominal world show; `None` where no landmark is seen in them.
     #[must_use]
     pub fn of(runs: &[Dataset]) -> Option<Self> {
-        let shape = shape(runs)?;
-        let shape = Shape { columns: shape.columns.knowing(&fitted(&shape, runs)), ..shape };
-        let numbers = fitted(&shape, runs);
+        let shape = fit::shape(runs)?;
+        let shape = Shape { columns: shape.columns.knowing(&fit::motion_alone(&shape, runs)), ..shape };
+        let numbers = fit::nominal(&shape, runs);
         let memory = remembered(&shape, &numbers, runs);
         let mut base = Self { shape, fitted: numbers.clone(), numbers, memory };
         base.memory.spread = base.spread(runs);
@@ -221,11 +222,9 @@ impl Entry {
     /// # Errors
     /// If the world cannot be played.
     pub fn learn(nominal: &dyn Nominal, base: &Base, variant: &Variant, budget: &Budget) -> Result<Self, CannotPlay> {
-        let (least, greatest) = variant.sizes();
-        let n = budget.sizes.max(3);
-        let share = |i: usize| i as f64 / (n - 1) as f64;
-        let mut runs: Vec<(f64, Vec<Dataset>)> = Vec::with_capacity(n);
-        for size in (0..n).map(|i| least * exp(share(i) * ln(greatest / least))) {
+        let sizes = spaced(variant, budget.sizes.max(3));
+        let mut runs: Vec<(f64, Vec<Dataset>)> = Vec::with_capacity(sizes.len());
+        for size in sizes {
             let planted = [Planted { variant: variant.clone(), size }];
             let of_size: Result<Vec<Dataset>, CannotPlay> =
                 (0..budget.runs).map(|i| play(nominal, &planted, Seed(FIRST_SEED + i), budget.run_s)).collect();
@@ -249,19 +248,19 @@ impl Entry {
     /// Adds the change at a size to `numbers`. Logarithms of noise and log-odds run in straight lines always.
     pub fn add(&self, shape: &Shape, size: f64, numbers: &mut [f64]) {
         let n = self.sizes.len();
-        let straight = self.straight(size, |size| size);
+        let even = straight(&self.sizes, size, |size| size);
         // Curves of sensing are learned size by size: between sizes they are what they are there.
         let (motion, sensing) = match self.run {
-            Run::Polynomial => (self.through(n.saturating_sub(3)..n, size), straight),
+            Run::Polynomial => (through(&self.sizes, n.saturating_sub(3)..n, size), even),
             Run::Parabolas => {
                 let above = self.sizes.partition_point(|it| *it < size).clamp(1, n - 1);
-                let through = self.through(above - 1..above + 1, size);
-                (through.clone(), through)
+                let parabola = through(&self.sizes, above - 1..above + 1, size);
+                (parabola.clone(), parabola)
             }
-            Run::Straight => (straight.clone(), straight),
+            Run::Straight => (even.clone(), even),
         };
         // Log-odds of shares and logarithms of noise go rather with the size's own logarithm.
-        let rest = self.straight(size, ln);
+        let rest = straight(&self.sizes, size, ln);
         for group in ORDER {
             let weights = match group {
                 Numbers::Motion => &motion,
@@ -275,33 +274,6 @@ impl Entry {
                 }
             }
         }
-    }
-
-    /// Weights of the changes on the polynomial through no change at no size and those at some of the sizes (Lagrange).
-    fn through(&self, of: std::ops::Range<usize>, size: f64) -> Vec<f64> {
-        let mut weights = vec![0.0; self.sizes.len()];
-        for k in of.clone() {
-            let others = of.clone().filter(|j| *j != k).map(|j| self.sizes[j]);
-            let at = self.sizes[k];
-            weights[k] = others.fold(size / at, |weight, other| weight * (size - other) / (at - other));
-        }
-        weights
-    }
-
-    /// Weights of the changes on straight lines in `scale` of the size; below the least size, in the size itself
-    /// from none at all.
-    fn straight(&self, size: f64, scale: fn(f64) -> f64) -> Vec<f64> {
-        let mut weights = vec![0.0; self.sizes.len()];
-        let above = self.sizes.partition_point(|it| *it < size).min(self.sizes.len() - 1);
-        match above.checked_sub(1) {
-            None => weights[above] = size / self.sizes[above],
-            Some(below) => {
-                let [at, low, high] = [size, self.sizes[below], self.sizes[above]].map(scale);
-                weights[above] = (at - low) / (high - low);
-                weights[below] = 1.0 - weights[above];
-            }
-        }
-        weights
     }
 }
 

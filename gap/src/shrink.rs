@@ -95,6 +95,12 @@ impl Sums {
     }
 }
 
+/// A change as far as it stands out of what chance of this variance would make (James and Stein 1961, positive part).
+#[must_use]
+pub fn stands_out(change: f64, chance_var: f64) -> f64 {
+    change * (1.0 - chance_var / (change * change).max(1e-300)).max(0.0)
+}
+
 /// Coefficients of the runs together, of which nothing is known but that they are about `prior_sd` from 0.
 #[must_use]
 pub fn ridged(runs: &[Sums], prior_sd: f64) -> Vec<f64> {
@@ -200,6 +206,12 @@ mod tests {
         // White noise of this variance would leave 1 / sqrt(3200) = 0.018; lasting for 9 steps, three times that.
         assert!(rms(0..10) < 0.09, "{}", rms(0..10));
         assert!(rms(10..40) < 0.02, "{}", rms(10..40));
+    }
+
+    #[test]
+    fn a_change_of_three_standard_deviations_stands_and_one_of_less_than_one_does_not() {
+        assert!((stands_out(-3.0, 1.0) + 3.0 * (1.0 - 1.0 / 9.0)).abs() < 1e-12);
+        assert_eq!((stands_out(0.9, 1.0), stands_out(0.0, 1.0)), (0.0, 0.0));
     }
 
     #[test]

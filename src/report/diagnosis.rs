@@ -148,7 +148,7 @@ fn cause(diagnosis: &Diagnosis, beside: &Beside) -> Section {
     let heads =
         ["cause", "probability", "evidence (nats)", "fits by itself (p)", "acts in", "values, 90 %", "what it is"];
     let mut table = Table::new("Causes", &heads).caption(
-        "Causes by probability. Evidence: how much better than *none* the log bears a cause out, sizes averaged over. A \
+        "Causes by probability. Evidence: how much better than `none` the log bears a cause out, sizes averaged over. A \
          cause that fits by itself with p below 0.01 leaves something unexplained.",
     );
     let what = |names: &[String]| {

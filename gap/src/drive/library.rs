@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use asami_dataset::{Channel as Rows, Command, Dataset, Firings, Log, Seed};
-use asami_math::elementary::{exp, ln};
+use asami_math::elementary::ln;
 use asami_sim::effect::Place;
 use asami_sim::effects::Effects;
 use asami_sim::knobs::Knobs;
@@ -25,6 +25,8 @@ use crate::judge::Judge;
 use crate::library::{Budget, CannotLearn, FIRST_SEED, Responds, play};
 use crate::nominal::{CannotPlay, Nominal};
 use crate::plant::{Planted, Variant};
+use crate::shrink::stands_out;
+use crate::sizes::{spaced, straight};
 use crate::view::CannotSee;
 
 /// The nominal car, and what its drives say.
@@ -205,10 +207,9 @@ impl Entry {
     /// # Errors
     /// If the world cannot be played.
     pub fn learn(nominal: &dyn Nominal, base: &Base, variant: &Variant, budget: &Budget) -> Result<Self, CannotPlay> {
-        let (least, greatest) = variant.sizes();
-        let n = budget.sizes.max(2);
-        let size = |i: usize| least * exp(i as f64 / (n - 1) as f64 * ln(greatest / least));
-        let sizes: Vec<f64> = (0..n).map(size).collect();
+        let greatest = variant.sizes().1;
+        let sizes = spaced(variant, budget.sizes.max(2));
+        let n = sizes.len();
         let mut entry = Self { kind: variant.name(), sizes, moved: Vec::new(), further: Vec::new() };
         if !Shows::of(&with(&base.effects, variant, greatest), variant.place()).in_scans {
             return Ok(entry);
@@ -244,7 +245,7 @@ impl Entry {
         if self.moved.is_empty() {
             return;
         }
-        let (plain, logarithmic) = (self.weights(size, |size| size), self.weights(size, ln));
+        let (plain, logarithmic) = (straight(&self.sizes, size, |size| size), straight(&self.sizes, size, ln));
         for k in 0..COUNT {
             let weights = if IN_LOGARITHMS[k] { &logarithmic } else { &plain };
             for (i, weight) in weights.iter().enumerate() {
@@ -252,21 +253,6 @@ impl Entry {
                 further[k] += weight * self.further[i][k];
             }
         }
-    }
-
-    /// Weights of the sizes in straight lines; below the least, in the size itself from none.
-    pub(super) fn weights(&self, size: f64, scale: fn(f64) -> f64) -> Vec<f64> {
-        let mut weights = vec![0.0; self.sizes.len()];
-        let above = self.sizes.partition_point(|it| *it < size).min(self.sizes.len() - 1);
-        match above.checked_sub(1) {
-            None => weights[above] = size / self.sizes[above],
-            Some(below) => {
-                let [at, low, high] = [size, self.sizes[below], self.sizes[above]].map(scale);
-                weights[above] = (at - low) / (high - low);
-                weights[below] = 1.0 - weights[above];
-            }
-        }
-        weights
     }
 }
 
@@ -278,8 +264,7 @@ fn told(changes: Vec<f64>) -> (f64, f64) {
     }
     let mean = plain_mean(changes.iter().copied());
     let variance = changes.iter().fold(0.0, |sum, it| sum + (it - mean) * (it - mean)) / (n - 1.0);
-    let chance = if mean != 0.0 { variance / n / (mean * mean) } else { 1.0 };
-    (mean * (1.0 - chance).max(0.0), (variance * (1.0 + 1.0 / n)).sqrt())
+    (stands_out(mean, variance / n), (variance * (1.0 + 1.0 / n)).sqrt())
 }
 
 impl Drives {

@@ -60,6 +60,14 @@ pub struct Free {
     pub wear: bool,
 }
 
+/// The nominal motion's numbers; the others are 0.
+#[must_use]
+pub fn motion_alone(shape: &Shape, runs: &[Dataset]) -> Vec<f64> {
+    let mut numbers = vec![0.0; shape.len()];
+    motion::nominal(shape, &seen(shape, runs), &mut numbers);
+    numbers
+}
+
 /// The nominal response.
 #[must_use]
 pub fn nominal(shape: &Shape, runs: &[Dataset]) -> Vec<f64> {

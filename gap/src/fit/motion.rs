@@ -5,7 +5,7 @@ use asami_math::elementary::{exp, ln};
 use super::{Free, Run, dot};
 use crate::columns::{Columns, Group};
 use crate::shape::{Numbers, SPEEDS, Shape, speed_class};
-use crate::shrink::{Sums, ridged, shrunk};
+use crate::shrink::{Sums, ridged, shrunk, stands_out};
 
 /// Motion noise is measured over blocks of so long: from frame to frame a gait sways.
 const BLOCK_S: f64 = 1.0;
@@ -187,9 +187,7 @@ fn left(shape: &Shape, runs: &[Run], numbers: &[f64]) -> ([[f64; 3]; SPEEDS], [f
     (squares, times_s)
 }
 
-/// Where a number moves that was found anew with some variance: as far as it stands out of what is left to chance
-/// (James and Stein 1961, positive part).
+/// Where a number moves that was found anew with some variance: as far as that stands out of chance.
 pub fn moved(known: f64, found: f64, found_var: f64) -> f64 {
-    let change = found - known;
-    known + change * (1.0 - found_var / (change * change).max(1e-300)).max(0.0)
+    known + stands_out(found - known, found_var)
 }

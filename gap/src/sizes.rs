@@ -1,0 +1,70 @@
+//! Sizes at which an effect is played, and what it does between them.
+
+use asami_math::elementary::{exp, ln};
+
+use crate::plant::Variant;
+
+/// So many sizes of a kind of effect, log-spaced from its law's least to its greatest.
+#[must_use]
+pub fn spaced(variant: &Variant, n: usize) -> Vec<f64> {
+    let (least, greatest) = variant.sizes();
+    (0..n).map(|i| least * exp(i as f64 / (n - 1) as f64 * ln(greatest / least))).collect()
+}
+
+/// Weights of what was found at `sizes`, increasing, on straight lines in `scale` of the size; below the least, in the
+/// size itself from none at all.
+#[must_use]
+pub fn straight(sizes: &[f64], size: f64, scale: fn(f64) -> f64) -> Vec<f64> {
+    let mut weights = vec![0.0; sizes.len()];
+    let above = sizes.partition_point(|it| *it < size).min(sizes.len() - 1);
+    match above.checked_sub(1) {
+        None => weights[above] = size / sizes[above],
+        Some(below) => {
+            let [at, low, high] = [size, sizes[below], sizes[above]].map(scale);
+            weights[above] = (at - low) / (high - low);
+            weights[below] = 1.0 - weights[above];
+        }
+    }
+    weights
+}
+
+/// Weights on the polynomial through nothing at no size and what was found at some of the sizes (Lagrange).
+#[must_use]
+pub fn through(sizes: &[f64], of: std::ops::Range<usize>, size: f64) -> Vec<f64> {
+    let mut weights = vec![0.0; sizes.len()];
+    for k in of.clone() {
+        let others = of.clone().filter(|j| *j != k).map(|j| sizes[j]);
+        weights[k] = others.fold(size / sizes[k], |weight, other| weight * (size - other) / (sizes[k] - other));
+    }
+    weights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZES: [f64; 4] = [0.1, 0.3, 0.8, 2.0];
+
+    fn at(weights: &[f64], of: impl Fn(f64) -> f64) -> f64 {
+        weights.iter().zip(SIZES).fold(0.0, |sum, (weight, size)| sum + weight * of(size))
+    }
+
+    #[test]
+    fn lines_and_logarithms_run_straight() {
+        for size in [0.05, 0.1, 0.2, 0.8, 1.7, 2.0] {
+            let line = at(&straight(&SIZES, size, |size| size), |size| 3.0 * size);
+            assert!((line - 3.0 * size).abs() < 1e-12, "{size}: {line}");
+        }
+        let logarithm = at(&straight(&SIZES, 0.5, ln), |size| 2.0 + ln(size));
+        assert!((logarithm - (2.0 + ln(0.5))).abs() < 1e-12, "{logarithm}");
+    }
+
+    #[test]
+    fn a_polynomial_without_a_constant_is_found_again() {
+        let cubic = |s: f64| 1.5 * s - 0.7 * s * s + 0.2 * s * s * s;
+        for size in [0.02, 0.1, 0.5, 1.1, 2.0] {
+            let found = at(&through(&SIZES, 1..4, size), cubic);
+            assert!((found - cubic(size)).abs() < 1e-12, "{size}: {found}");
+        }
+    }
+}
