@@ -13,6 +13,7 @@ use super::scanner::{COUNT, STATISTICS, Segment};
 use crate::directions::Direction;
 use crate::judge::{Channel, Innovation, Judge, Moment, Reading, Regime};
 use crate::plant::{Planted, Variant};
+use crate::sizes::{spaced, straight};
 use crate::view::CannotSee;
 
 /// Nothing is scored before the played car goes as the log's did.
@@ -88,7 +89,7 @@ impl Read {
             .iter()
             .filter(|variant| library.kinds().contains_key(variant.name().as_str()))
             .filter(|variant| Shows::of(&with(&base.effects, variant, variant.sizes().1), variant.place()).in_motion)
-            .map(|variant| (variant, sizes(variant)))
+            .map(|variant| (variant, spaced(variant, SIZES)))
             .collect();
         let each: Vec<(&Variant, f64)> =
             kinds.iter().flat_map(|(variant, sizes)| sizes.iter().map(|size| (*variant, *size))).collect();
@@ -129,13 +130,6 @@ impl Read {
     fn played_columns(&self) -> usize {
         self.played.iter().map(|it| it.sizes.len()).sum()
     }
-}
-
-/// Sizes of a kind at which logs are played, increasing.
-fn sizes(variant: &Variant) -> Vec<f64> {
-    use asami_math::elementary::{exp, ln};
-    let (least, greatest) = variant.sizes();
-    (0..SIZES).map(|i| least * exp(i as f64 / (SIZES - 1) as f64 * ln(greatest / least))).collect()
 }
 
 /// Where a response's numbers are.
@@ -213,7 +207,7 @@ impl Judge for Driven<'_> {
             let mut at = 0;
             for played in &self.read.played {
                 if played.kind == name {
-                    for (i, weight) in weights(&played.sizes, *size).into_iter().enumerate() {
+                    for (i, weight) in straight(&played.sizes, *size, |size| size).into_iter().enumerate() {
                         numbers[at + i] += weight;
                         numbers[layout.played + at + i] += weight;
                     }
@@ -344,18 +338,4 @@ impl Judge for Driven<'_> {
             ("the second half of the log", (0..steps.len()).map(|i| i >= half).collect()),
         ]
     }
-}
-
-/// Weights of sizes on straight lines from none on.
-fn weights(sizes: &[f64], size: f64) -> Vec<f64> {
-    let mut weights = vec![0.0; sizes.len()];
-    let above = sizes.partition_point(|it| *it < size).min(sizes.len() - 1);
-    match above.checked_sub(1) {
-        None => weights[above] = size / sizes[above],
-        Some(below) => {
-            weights[above] = (size - sizes[below]) / (sizes[above] - sizes[below]);
-            weights[below] = 1.0 - weights[above];
-        }
-    }
-    weights
 }
