@@ -22,8 +22,8 @@ const NOT_NONE: f64 = 0.1;
 const INADEQUATE: f64 = 0.01;
 /// Evidence at which an effect would have shown.
 const VISIBLE_NATS: f64 = 12.0;
-/// Causes less probable than this are left out: every cause has as much for the chance that all evidence misleads.
-const NEGLIGIBLE: f64 = 1e-3;
+/// Causes less probable than this are left out: those given sum to 1 but for less than a hundredth.
+const NEGLIGIBLE: f64 = 1e-4;
 
 /// All that a diagnosis of logs of one nominal world needs.
 #[derive(Clone, Copy)]

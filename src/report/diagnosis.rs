@@ -144,18 +144,22 @@ fn map(diagnosis: &Diagnosis) -> Map {
     }
 }
 
+/// Causes less probable than this stand only in the file: each has as much for the chance that all evidence misleads.
+const SHOWN: f64 = 1e-3;
+
 fn cause(diagnosis: &Diagnosis, beside: &Beside) -> Section {
     let heads =
         ["cause", "probability", "evidence (nats)", "fits by itself (p)", "acts in", "values, 90 %", "what it is"];
     let mut table = Table::new("Causes", &heads).caption(
-        "Causes by probability. Evidence: how much better than `none` the log bears a cause out, sizes averaged over. A \
-         cause that fits by itself with p below 0.01 leaves something unexplained.",
+        "Causes by probability, down to 0.1 % (`diagnosis.json` has the others). Evidence: how much better than `none` the \
+         log bears a cause out, sizes averaged over. A cause that fits by itself with p below 0.01 leaves something \
+         unexplained.",
     );
     let what = |names: &[String]| {
         let of = |name: &String| catalogue().into_iter().find(|about| about.name == name).map(|about| about.what);
         names.iter().filter_map(of).collect::<Vec<_>>().join(" ")
     };
-    for cause in &diagnosis.which {
+    for cause in diagnosis.which.iter().filter(|cause| cause.probability >= SHOWN) {
         let probability = Cell { text: share(cause.probability), value: Some(cause.probability), hint: String::new() };
         let mut acts: Vec<String> = cause.place.iter().cloned().collect();
         acts.extend(cause.block.iter().map(|block| format!("block {}", block.replace('_', " "))));
