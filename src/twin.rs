@@ -13,6 +13,10 @@ impl Nominal for Simulation {
         self.robot.name()
     }
 
+    fn landmarks(&self) -> usize {
+        self.field.beacons.len()
+    }
+
     fn effects(&self) -> &Effects {
         &self.effects
     }

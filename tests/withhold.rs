@@ -122,7 +122,7 @@ fn cases_are_drawn_as_the_mix_and_the_laws_say() {
         assert!((share(count) - expected).abs() < bound, "{count}: {}", share(count));
     }
     let planted: Vec<_> = cases.iter().flat_map(|case| &case.planted).collect();
-    for variant in Variant::all("plain", &[]) {
+    for variant in Variant::all("plain", 4, &[]) {
         assert!(planted.iter().any(|planted| planted.variant == variant), "no {}", variant.name());
     }
     let place = |size: f64, (least, greatest): (f64, f64)| (size / least).ln() / (greatest / least).ln();

@@ -183,7 +183,7 @@ mod tests {
 
     fn tried(points: Vec<(f64, f64)>) -> Tried {
         let about = asami_sim::effects::catalogue()[0];
-        Tried { variant: Variant::of(about).remove(0), points }
+        Tried { variant: Variant::of(about, 4).remove(0), points }
     }
 
     /// A Gaussian peak of standard deviation 0.1 over a prior of width 3.

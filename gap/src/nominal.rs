@@ -15,6 +15,9 @@ pub trait Nominal: Sync {
     /// The robot's name in data sets.
     fn robot(&self) -> &'static str;
 
+    /// How many landmarks there are.
+    fn landmarks(&self) -> usize;
+
     /// Effects that are nominally on.
     fn effects(&self) -> &Effects;
 

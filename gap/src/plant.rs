@@ -17,9 +17,9 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// All kinds of one effect, each as likely.
+    /// All kinds of one effect in a world of so many landmarks, each as likely.
     #[must_use]
-    pub fn of(about: &'static About) -> Vec<Self> {
+    pub fn of(about: &'static About, landmarks: usize) -> Vec<Self> {
         let signs: &[f64] = match about.law.iter().find_map(|(_, draw)| way(draw)) {
             Some(Way::Up) => &[1.0],
             Some(Way::Down) => &[-1.0],
@@ -28,7 +28,11 @@ impl Variant {
         };
         let mut choices = vec![Vec::new()];
         for (name, draw) in about.law {
-            let Draw::Choice(values) = draw else { continue };
+            let values = match *draw {
+                Draw::Choice(values) => values,
+                Draw::Landmark(numbers) => &numbers[..landmarks.clamp(1, numbers.len())],
+                Draw::Size { .. } | Draw::Same => continue,
+            };
             choices = choices
                 .into_iter()
                 .flat_map(|so_far| values.iter().map(move |value| [so_far.clone(), vec![(*name, *value)]].concat()))
@@ -41,11 +45,11 @@ impl Variant {
         signs.iter().flat_map(with).collect()
     }
 
-    /// All kinds of all effects that fit `robot`, less those of the names left out.
+    /// All kinds of all effects that fit `robot` among so many landmarks, less those of the names left out.
     #[must_use]
-    pub fn all(robot: &str, without: &[String]) -> Vec<Self> {
+    pub fn all(robot: &str, landmarks: usize, without: &[String]) -> Vec<Self> {
         let fits = |about: &&'static About| about.fits.contains(&robot) && !without.iter().any(|it| it == about.name);
-        catalogue().into_iter().filter(fits).flat_map(Self::of).collect()
+        catalogue().into_iter().filter(fits).flat_map(|about| Self::of(about, landmarks)).collect()
     }
 
     /// Least and greatest size that the law draws.
@@ -53,7 +57,7 @@ impl Variant {
     pub fn sizes(&self) -> (f64, f64) {
         let size = |draw: &Draw| match *draw {
             Draw::Size { least, greatest, .. } => Some((least, greatest)),
-            Draw::Same | Draw::Choice(_) => None,
+            Draw::Same | Draw::Choice(_) | Draw::Landmark(_) => None,
         };
         self.about.law.iter().find_map(|(_, draw)| size(draw)).unwrap_or((1.0, 1.0))
     }
@@ -75,7 +79,7 @@ impl Variant {
     pub fn values(&self, size: f64) -> Vec<(&'static str, f64)> {
         let moved = |(name, draw): &(&'static str, Draw)| match draw {
             Draw::Size { .. } | Draw::Same => Some((*name, self.null(name) + self.sign * size)),
-            Draw::Choice(_) => None,
+            Draw::Choice(_) | Draw::Landmark(_) => None,
         };
         self.choices.iter().copied().chain(self.about.law.iter().filter_map(moved)).collect()
     }
@@ -111,7 +115,7 @@ impl Variant {
 fn way(draw: &Draw) -> Option<Way> {
     match draw {
         Draw::Size { way, .. } => Some(*way),
-        Draw::Same | Draw::Choice(_) => None,
+        Draw::Same | Draw::Choice(_) | Draw::Landmark(_) => None,
     }
 }
 
@@ -125,10 +129,10 @@ pub struct Planted {
 }
 
 impl Planted {
-    /// Draws a kind of `about` and a size by its law; `None` for an effect that has no law.
+    /// Draws a kind of `about` in a world of so many landmarks, and a size, by its law; `None` for an effect that has no law.
     #[must_use]
-    pub fn draw(about: &'static About, rng: &mut Rng) -> Option<Self> {
-        let mut variants = Variant::of(about);
+    pub fn draw(about: &'static About, landmarks: usize, rng: &mut Rng) -> Option<Self> {
+        let mut variants = Variant::of(about, landmarks);
         if variants.is_empty() {
             return None;
         }

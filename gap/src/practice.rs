@@ -1,6 +1,6 @@
 //! Planted cases to learn from: what a diagnosis would say of logs whose cause is known.
 
-use asami_dataset::{Rng, Seed};
+use asami_dataset::{Log, Rng, Seed};
 use asami_sim::effect::About;
 use asami_sim::effects::catalogue;
 use rand::RngExt;
@@ -23,9 +23,9 @@ const TWO: f64 = 0.1;
 pub const LAW: &str = "none 30 %, one effect 60 %, two 10 %, each effect as likely; sizes log-uniform as `list effects` \
                        shows, from half a decade below what a log of 150 s shows";
 
-/// None, one or two effects that fit a robot, at sizes by their laws.
+/// None, one or two effects that fit a robot among so many landmarks, at sizes by their laws.
 #[must_use]
-pub fn draw(robot: &str, without: &[String], rng: &mut Rng) -> Vec<Planted> {
+pub fn draw(robot: &str, landmarks: usize, without: &[String], rng: &mut Rng) -> Vec<Planted> {
     let fits = |about: &&'static About| {
         about.fits.contains(&robot) && !about.law.is_empty() && !without.iter().any(|name| name == about.name)
     };
@@ -35,7 +35,7 @@ pub fn draw(robot: &str, without: &[String], rng: &mut Rng) -> Vec<Planted> {
     let mut planted = Vec::with_capacity(number);
     for _ in 0..number.min(effects.len()) {
         let about = effects.swap_remove(rng.random_range(0..effects.len()));
-        planted.extend(Planted::draw(about, rng));
+        planted.extend(Planted::draw(about, landmarks, rng));
     }
     planted
 }
@@ -60,26 +60,35 @@ pub fn practise(
     seed: Seed,
     until_s: f64,
 ) -> Result<Vec<Case>, CannotPlay> {
-    let planted = draw(nominal.robot(), &[], &mut seed.stream("practice"));
+    let planted = draw(nominal.robot(), nominal.landmarks(), &[], &mut seed.stream("practice"));
     let run = play(nominal, &planted, seed, until_s)?;
-    let Ok(judge) = library.judge(&run.log) else { return Ok(Vec::new()) };
+    Ok(judged(&run.log, planted, library, variants))
+}
+
+/// The same of a log in which these effects are planted.
+#[must_use]
+pub fn judged(log: &Log, planted: Vec<Planted>, library: &dyn Responds, variants: &[Variant]) -> Vec<Case> {
+    let Ok(judge) = library.judge(log) else { return Vec::new() };
     let findings = Findings::new(&*judge, variants);
+    let whole = cause(&planted);
     let planted = shown(&*judge, planted);
-    let truth = cause(&planted);
-    let absorbed_nats = (findings.leader == truth && !planted.is_empty()).then(|| absorbed_nats(&findings.blocks));
+    let shown = cause(&planted);
+    let absorbed_nats = (findings.leader == shown && !planted.is_empty()).then(|| absorbed_nats(&findings.blocks));
     let evidence = findings.evidence();
+    // Where nothing shows, nothing was tried beside it.
+    let truth = if evidence.contains_key(&whole) { whole } else { shown.clone() };
     let mut cases = Vec::with_capacity(2);
     if let [only] = planted.as_slice() {
         let name = only.variant.about.name;
         let rest = findings.without(&*judge, &[name]).evidence();
         if !has_alias(evidence.get(name).copied().unwrap_or(0.0), &rest) {
             let truth = format!("{UNKNOWN}/{}", only.variant.block().name());
-            cases.push(Case { truth, evidence: rest, absorbed_nats: None, off_by: None });
+            cases.push(Case { truth, shown: None, evidence: rest, absorbed_nats: None, off_by: None });
         }
     }
     let off_by = if let [only] = planted.as_slice() { off_by(&findings, only) } else { None };
-    cases.push(Case { truth, evidence, absorbed_nats, off_by });
-    Ok(cases)
+    cases.push(Case { truth, shown: Some(shown), evidence, absorbed_nats, off_by });
+    cases
 }
 
 /// By how much a planted size lies off the one found, in shares of the interval on that side, where it shows.

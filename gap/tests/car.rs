@@ -17,7 +17,7 @@ const RUN_S: f64 = 24.0;
 
 fn variants() -> Vec<Variant> {
     let named = |variant: &Variant| ["base_tilt", "steering_offset"].contains(&variant.about.name);
-    Variant::all("car", &[]).into_iter().filter(named).collect()
+    Variant::all("car", 0, &[]).into_iter().filter(named).collect()
 }
 
 fn library() -> &'static Drives {

@@ -13,7 +13,7 @@ mod world;
 const NAMES: [&str; 4] = ["command_scale", "height_bias", "image_delay", "vision_noise"];
 
 fn variants() -> Vec<Variant> {
-    let all = Variant::all("plain", &[]);
+    let all = Variant::all("plain", 4, &[]);
     all.into_iter().filter(|variant| NAMES.contains(&variant.about.name)).collect()
 }
 

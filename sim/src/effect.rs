@@ -166,6 +166,8 @@ pub enum Draw {
     Same,
     /// One of these, each as likely.
     Choice(&'static [f64]),
+    /// One of these landmarks, each as likely, as far as there are so many.
+    Landmark(&'static [f64]),
 }
 
 /// A direction from the null value.

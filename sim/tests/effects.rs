@@ -116,7 +116,7 @@ fn laws_stay_in_range_from_least_to_greatest() {
             let parameter = parameter.unwrap_or_else(|| panic!("{name} draws what it has not"));
             let null = parameter.default;
             let drawn = match draw {
-                Draw::Choice(values) => values.to_vec(),
+                Draw::Choice(values) | Draw::Landmark(values) => values.to_vec(),
                 _ => [(Way::Up, 1.0), (Way::Down, -1.0)]
                     .into_iter()
                     .filter(|(to, _)| way == Way::Either || way == *to)

@@ -58,7 +58,8 @@ impl Planting {
         let mut planted: Vec<(usize, Planted)> = Vec::new();
         while planted.len() < count && !rest.is_empty() {
             let (place, about) = rest.swap_remove(rng.random_range(0..rest.len()));
-            planted.extend(Planted::draw(about, &mut rng).map(|drawn| (place, drawn)));
+            planted
+                .extend(Planted::draw(about, self.nominal.field.beacons.len(), &mut rng).map(|drawn| (place, drawn)));
         }
         planted.sort_by_key(|(place, _)| *place);
         let planted = planted.into_iter().map(|(_, drawn)| drawn).collect();

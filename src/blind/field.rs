@@ -29,7 +29,7 @@ impl Field {
     /// [`CannotShelve`] where the nominal world cannot be played, or a file not be written.
     pub fn new(blind: &Blind, libraries: &Path, listener: &dyn Listener) -> Result<Self, CannotShelve> {
         let on: Vec<String> = blind.world.effects.iter().map(|effect| effect.about().name.to_owned()).collect();
-        let variants = Variant::all(blind.world.robot.name(), &on);
+        let variants = Variant::all(blind.world.robot.name(), blind.world.field.beacons.len(), &on);
         let shelf = Shelf { folder: libraries.to_owned(), budget: Budget::of(blind.world.robot.name()), listener };
         let shelved = shelf.library(&blind.nominal, &blind.world, &variants)?;
         let make = blind.asked.calibration_cases;

@@ -114,7 +114,7 @@ impl Ready {
         }
         let held = Held::find(asked.nominal.as_deref(), log)?;
         let on: Vec<String> = held.simulation.effects.iter().map(|effect| effect.about().name.to_owned()).collect();
-        let variants = Variant::all(held.simulation.robot.name(), &on);
+        let variants = Variant::all(held.simulation.robot.name(), held.simulation.field.beacons.len(), &on);
         let budget = asked.budget.unwrap_or_else(|| Budget::of(held.simulation.robot.name()));
         let shelf = Shelf { folder: asked.libraries.clone(), budget, listener };
         let shelved = shelf.library(&held.name, &held.simulation, &variants)?;

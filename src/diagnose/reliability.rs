@@ -48,7 +48,13 @@ mod tests {
             let truth = if i % 2 < 1 { "a" } else { "b" };
             let nats = |cause: &str| if cause == truth { 60.0 } else { -5.0 };
             let evidence = ["a", "b", "unknown/timing"].map(|cause| (cause.to_owned(), nats(cause)));
-            Case { truth: truth.to_owned(), evidence: Evidence::from(evidence), absorbed_nats: None, off_by: None }
+            Case {
+                truth: truth.to_owned(),
+                shown: None,
+                evidence: Evidence::from(evidence),
+                absorbed_nats: None,
+                off_by: None,
+            }
         };
         let curve = curve(&(0..100).map(|i| case(i / 2)).collect::<Vec<_>>());
         let [claimed, found, n] = curve[curve.len() - 1];

@@ -234,7 +234,7 @@ mod tests {
     fn case(truth: &str) -> Case {
         let evidence = [("a", 5.0), ("b", 1.0), ("a+b", 6.0), ("unknown/timing", 2.0)];
         let evidence = Evidence::from(evidence.map(|(cause, nats)| (cause.to_owned(), nats)));
-        Case { truth: truth.to_owned(), evidence, absorbed_nats: Some(0.1), off_by: None }
+        Case { truth: truth.to_owned(), shown: None, evidence, absorbed_nats: Some(0.1), off_by: None }
     }
 
     #[test]

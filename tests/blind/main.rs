@@ -118,7 +118,7 @@ impl Contest for StandIns {
 }
 
 fn stand_ins() -> StandIns {
-    StandIns { variants: Variant::all("plain", &[]), ..StandIns::default() }
+    StandIns { variants: Variant::all("plain", 4, &[]), ..StandIns::default() }
 }
 
 fn options(out: &Path, jobs: usize) -> Options {
@@ -288,7 +288,7 @@ fn counts_are_those_of_the_cases() {
 /// A group's other member is right, a third effect too many is not, and taken out of the list the truth is *unknown*.
 #[test]
 fn answers_are_held_against_the_groups_of_the_truth() {
-    let variants = Variant::all("plain", &[]);
+    let variants = Variant::all("plain", 4, &[]);
     let of = |name: &str| {
         let variant = variants.iter().find(|it| it.about.name == name).expect("in the catalogue").clone();
         Planted { size: variant.sizes().1, variant }

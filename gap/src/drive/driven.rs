@@ -84,7 +84,7 @@ impl Read {
             |effects: &Effects, ahead_s: f64| left(&base.car, effects, &log.commands, &steps, base.ahead_s + ahead_s);
         let cannot = |error: crate::nominal::CannotPlay| CannotSee::Play(error);
         let nominal = play(&base.effects, 0.0).map_err(cannot)?;
-        let all = Variant::all("car", &[]);
+        let all = Variant::all("car", 0, &[]);
         let kinds: Vec<(&Variant, Vec<f64>)> = all
             .iter()
             .filter(|variant| library.kinds().contains_key(variant.name().as_str()))

@@ -27,7 +27,7 @@ fn moved(effects: &[Planted], of: &Variant) -> f64 {
 
 /// Kinds that differ in more than their side of the null value.
 fn kinds() -> Vec<Variant> {
-    let mut kinds = Variant::all("plain", &[]);
+    let mut kinds = Variant::all("plain", 4, &[]);
     kinds.dedup_by(|a, b| a.about == b.about && a.choices == b.choices);
     kinds
 }
@@ -67,7 +67,7 @@ fn named(diagnoser: &dyn Diagnoses) -> Vec<String> {
 
 #[test]
 fn each_effect_is_named_where_it_is_planted_alone_and_none_where_there_is_none() {
-    let variants = Variant::all("plain", &[]);
+    let variants = Variant::all("plain", 4, &[]);
     assert!(!variants.is_empty());
     // One kind of each effect is enough.
     let mut kinds = kinds();
@@ -88,7 +88,7 @@ fn each_effect_is_named_where_it_is_planted_alone_and_none_where_there_is_none()
 
 #[test]
 fn forward_selection_adds_a_second_effect_and_all_at_once_never_does() {
-    let variants = Variant::all("plain", &[]);
+    let variants = Variant::all("plain", 4, &[]);
     let mut abouts: Vec<_> = variants.iter().map(|variant| variant.about).collect();
     abouts.dedup();
     let of = |about| {

@@ -27,6 +27,10 @@ impl Nominal for Town {
         "car"
     }
 
+    fn landmarks(&self) -> usize {
+        0
+    }
+
     fn effects(&self) -> &Effects {
         &self.effects
     }

@@ -39,6 +39,10 @@ impl Nominal for Plain {
         "plain"
     }
 
+    fn landmarks(&self) -> usize {
+        self.field.beacons.len()
+    }
+
     fn effects(&self) -> &Effects {
         &self.effects
     }

@@ -15,7 +15,7 @@ effect! {
     source "a beacon that was bumped into is off by a hand's breadth, one that was put back by hand by up to half a metre",
     drawn [
         distance_m: Size { way: Either, least: 0.01, greatest: 0.8 }, towards_rad: Choice(&[0.0, FRAC_PI_2]),
-        number: Choice(&[0.0, 1.0, 2.0, 3.0]),
+        number: Landmark(&[0.0, 1.0, 2.0, 3.0]),
     ],
     {
         /// From its place on the map to where it stands.

@@ -31,7 +31,7 @@ pub fn plant(effects: &mut Effects, about: &About, part: f64) {
         let default = about.parameters.iter().find(|it| it.name == *name).map(|it| it.default).unwrap_or(f64::NAN);
         let value = match draw {
             Draw::Size { .. } | Draw::Same => default + distance,
-            Draw::Choice(values) => values[0],
+            Draw::Choice(values) | Draw::Landmark(values) => values[0],
         };
         assert!(effects.set(about.name, name, value), "{}.{name}", about.name);
     }

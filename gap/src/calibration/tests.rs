@@ -1,0 +1,121 @@
+use super::*;
+use asami_dataset::Seed;
+use rand::RngExt;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Two effects whose evidence is honest, or counts three times too much.
+fn cases(n: usize, exaggerated: f64, seed: u64) -> Vec<Case> {
+    let mut rng = Seed(seed).stream("calibration/test");
+    (0..n)
+        .map(|_| {
+            let u: f64 = rng.random();
+            let truth = if u < 0.3 {
+                NONE
+            } else if u < 0.65 {
+                "a"
+            } else {
+                "b"
+            };
+            let nats = |cause: &str, rng: &mut asami_dataset::Rng| {
+                let normal: f64 = StandardNormal.sample(rng);
+                // Log-likelihood ratios of a shift of 2 standard deviations.
+                exaggerated * (2.0 * (normal + if cause == truth { 2.0 } else { 0.0 }) - 2.0)
+            };
+            let evidence = ["a", "b"].map(|cause| (cause.to_owned(), nats(cause, &mut rng)));
+            let (truth, evidence) = (truth.to_owned(), evidence.into());
+            Case { truth, shown: None, evidence, absorbed_nats: None, off_by: None }
+        })
+        .collect()
+}
+
+#[test]
+fn intervals_are_stretched_until_nine_in_ten_planted_sizes_lie_in_them() {
+    let mut of = cases(200, 1.0, 3);
+    for (i, case) in of.iter_mut().enumerate() {
+        case.off_by = Some(i as f64 / 50.0);
+    }
+    let [low, high] = Calibration::learn(&of).interval(10.0, [9.0, 12.0]);
+    assert!((low - (10.0 - 3.58)).abs() < 1e-9 && (high - (10.0 + 2.0 * 3.58)).abs() < 1e-9, "{low} {high}");
+    assert_eq!(Calibration::learn(&of[..10]).interval(10.0, [9.0, 12.0]), [9.0, 12.0]);
+}
+
+#[test]
+fn exaggerated_evidence_is_brought_down_and_probabilities_then_mean_what_they_say() {
+    let calibration = Calibration::learn(&cases(1500, 3.0, 1));
+    let held = cases(4000, 3.0, 2);
+    let raw = Calibration::default();
+    assert!(log_loss(&calibration, &held) < log_loss(&raw, &held) - 0.1);
+    // Of answers given about 80 %, about 80 % are right: 4 standard errors.
+    let (mut right, mut sum, mut n) = (0.0, 0.0, 0.0);
+    for case in &held {
+        for (cause, p) in calibration.probabilities(&case.evidence) {
+            if (0.7..0.9).contains(&p) {
+                right += f64::from(u8::from(cause == case.truth));
+                sum += p;
+                n += 1.0;
+            }
+        }
+    }
+    assert!(n > 300.0 && (right - sum).abs() < 4.0 * (n * 0.16_f64).sqrt() + 0.02 * n, "{right} {sum} {n}");
+}
+
+#[test]
+fn the_set_holds_nine_truths_in_ten() {
+    let calibration = Calibration::learn(&cases(1500, 3.0, 3));
+    let held = cases(4000, 3.0, 4);
+    let holds = |case: &&Case| {
+        let probabilities = calibration.probabilities(&case.evidence);
+        calibration.set90(&case.evidence, &probabilities).contains(&case.truth)
+    };
+    let share = held.iter().filter(holds).count() as f64 / held.len() as f64;
+    assert!((0.87..0.95).contains(&share), "{share}");
+}
+
+#[test]
+fn probabilities_add_up_and_more_evidence_never_makes_a_cause_less_probable() {
+    let calibration = Calibration::learn(&cases(300, 1.0, 5));
+    let p = |nats: f64| {
+        let evidence = Evidence::from([("a".to_owned(), nats), ("b".to_owned(), 1.0)]);
+        let all = calibration.probabilities(&evidence);
+        assert!((all.values().sum::<f64>() - 1.0).abs() < 1e-12);
+        all["a"]
+    };
+    assert!(p(-5.0) < p(0.0) && p(0.0) < p(3.0) && p(3.0) < p(8.0));
+}
+
+/// Of what is plainly `a`, every fifth has `b` besides, which does not show.
+fn with_hidden(n: usize) -> Vec<Case> {
+    let of = |i: usize| {
+        let truth = if i % 5 == 0 { "a+b" } else { "a" };
+        let wobble = 0.3 * ((i * 7 % 11) as f64 - 5.0) / 5.0;
+        let nats = [("a", 40.0), ("b", 2.0), ("a+b", 39.5 + wobble), ("unknown/timing", 33.0)];
+        let evidence = nats.map(|(cause, nats)| (cause.to_owned(), nats)).into();
+        Case { truth: truth.to_owned(), shown: Some("a".to_owned()), evidence, absorbed_nats: None, off_by: None }
+    };
+    (0..n).map(of).collect()
+}
+
+#[test]
+fn what_may_have_another_beside_it_is_not_certain_and_its_set_holds_what_shows() {
+    let cases = with_hidden(400);
+    let calibration = Calibration::learn(&cases);
+    let probabilities = calibration.probabilities(&cases[1].evidence);
+    assert!((probabilities["a"] - 0.8).abs() < 0.06, "{probabilities:?}");
+    assert_eq!(calibration.set90(&cases[1].evidence, &probabilities), ["a"]);
+}
+
+#[test]
+fn a_block_is_held_against_the_cause_that_it_was_put_on_top_of() {
+    let evidence = |pair: f64| {
+        let nats = [("a", 40.0), ("b", 2.0), ("a+b", pair), ("unknown/timing", pair - 5.0)];
+        Evidence::from(nats.map(|(cause, nats)| (cause.to_owned(), nats)))
+    };
+    let odds = |pair: f64| {
+        let p = Calibration::default().scores(&evidence(pair));
+        let of = |cause: &str| p.iter().find(|it| it.0 == cause).map_or(f64::NAN, |it| it.1);
+        of("unknown/timing") - of("a+b")
+    };
+    assert_eq!((leader(&evidence(60.0)), leader(&evidence(41.0))), ("a+b", "a"));
+    assert!((odds(60.0) - odds(90.0)).abs() < 1e-9, "{} {}", odds(60.0), odds(90.0));
+    assert_eq!(leader(&Evidence::from([("a".to_owned(), 2.0)])), NONE);
+}
