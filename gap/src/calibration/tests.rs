@@ -86,7 +86,7 @@ fn probabilities_add_up_and_more_evidence_never_makes_a_cause_less_probable() {
 /// Of what is plainly `a`, every fifth has `b` besides, which does not show.
 fn with_hidden(n: usize) -> Vec<Case> {
     let of = |i: usize| {
-        let truth = if i % 5 == 0 { "a+b" } else { "a" };
+        let truth = if i.is_multiple_of(5) { "a+b" } else { "a" };
         let wobble = 0.3 * ((i * 7 % 11) as f64 - 5.0) / 5.0;
         let nats = [("a", 40.0), ("b", 2.0), ("a+b", 39.5 + wobble), ("unknown/timing", 33.0)];
         let evidence = nats.map(|(cause, nats)| (cause.to_owned(), nats)).into();
