@@ -134,6 +134,7 @@ impl Diagnosis {
             set90: vec![effects],
             cannot_tell_apart: Vec::new(),
             next_experiment: None,
+            next_keys: None,
             smallest_visible: std::collections::BTreeMap::new(),
             calibrated_on: None,
             how_far: HowFar { comment: "not asked".to_owned(), ..HowFar::default() },

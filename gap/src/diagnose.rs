@@ -7,8 +7,9 @@ use asami_dataset::Log;
 use crate::calibration::{Calibration, NONE, UNKNOWN};
 use crate::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
 use crate::evidence::Weighed;
+use crate::experiment::{Courses, advice};
 use crate::findings::{Findings, absorbed_nats};
-use crate::groups::{groups, signatures, visible};
+use crate::groups::{groups, visible};
 use crate::how_far::how_far;
 use crate::judge::Judge;
 use crate::library::Responds;
@@ -25,6 +26,9 @@ const VISIBLE_NATS: f64 = 12.0;
 /// Causes less probable than this are left out: those given sum to 1 but for less than a hundredth.
 const NEGLIGIBLE: f64 = 1e-4;
 
+/// Causes less probable than this are not worth an experiment.
+const WORTH_SPLITTING: f64 = 0.05;
+
 /// All that a diagnosis of logs of one nominal world needs.
 #[derive(Clone, Copy)]
 pub struct Diagnoser<'a> {
@@ -34,6 +38,8 @@ pub struct Diagnoser<'a> {
     pub calibration: &'a Calibration,
     /// Kinds of effects that are thought of.
     pub variants: &'a [Variant],
+    /// How the robot may be driven next.
+    pub courses: &'a dyn Courses,
 }
 
 impl Diagnoser<'_> {
@@ -68,19 +74,38 @@ impl Diagnoser<'_> {
             Verdict::Named | Verdict::Tied => Some(judge.numbers(&planted)),
         };
         let base = &judge.numbers(&[]);
+        let (next_experiment, next_keys) = (verdict == Verdict::Tied)
+            .then(|| self.next_experiment(judge, &findings, &ranked))
+            .flatten()
+            .map_or((None, None), |(words, keys)| (Some(words), keys));
         let added: &[Planted] = if matches!(verdict, Verdict::Named | Verdict::Tied) { &planted } else { &[] };
         Ok(Diagnosis {
             schema: SCHEMA,
             verdict,
             places: better.map_or_else(Vec::new, |better| places(judge, base, &better)),
             which: self.causes(&findings, &ranked, best.as_deref(), block.as_deref(), adequacy_p),
-            next_experiment: (verdict == Verdict::Tied).then(|| next_experiment(judge, &findings, &set90)).flatten(),
+            next_experiment,
+            next_keys,
             set90: set90.iter().map(|cause| split(cause)).collect(),
             cannot_tell_apart,
             smallest_visible: self.smallest_visible(judge),
             calibrated_on: None,
             how_far: if verdict == Verdict::None { HowFar::default() } else { how_far(judge, added) },
         })
+    }
+
+    /// What to record to split single effects that are about as probable.
+    fn next_experiment(
+        &self,
+        judge: &dyn Judge,
+        findings: &Findings,
+        ranked: &[(&String, f64)],
+    ) -> Option<(String, Option<String>)> {
+        let single = |(cause, p): &(&String, f64)| {
+            findings.weighed.iter().find(|it| it.effect == cause.as_str()).map(|weighed| (weighed, *p))
+        };
+        let tied: Vec<(&Weighed, f64)> = ranked.iter().filter(|it| it.1 > WORTH_SPLITTING).filter_map(single).collect();
+        if tied.len() < 2 { None } else { advice(judge, self.library, self.courses.courses(), &tied) }
     }
 
     /// How often a planted truth is exceeded by a flexible block as far as the best named model is here.
@@ -159,25 +184,4 @@ fn verdict(
     }
     let one_group = groups.iter().any(|group| set90.iter().all(|cause| group.contains(cause)));
     if set90.len() <= 1 || one_group { Verdict::Named } else { Verdict::Tied }
-}
-
-/// How long a log of this kind must be to split the two most probable causes of the set.
-fn next_experiment(judge: &dyn Judge, findings: &Findings, set90: &[String]) -> Option<String> {
-    let single = |cause: &&String| findings.weighed.iter().find(|it| it.effect == cause.as_str());
-    let tied: Vec<&Weighed> = set90.iter().filter_map(|cause| single(&cause)).take(2).collect();
-    let [a, b] = tied.as_slice() else { return None };
-    let signatures = signatures(judge, [*a, *b].into_iter());
-    let most = |weighed: &Weighed| weighed.best.variant.sizes().1 / weighed.best.size;
-    let apart = signatures[0].beyond(&signatures[1], most(b)).min(signatures[1].beyond(&signatures[0], most(a)));
-    let length_s = judge.length_s();
-    let (a, b) = (a.effect, b.effect);
-    // A set of one needs odds of about 20 to 1 on average: 6 nats leave room for chance.
-    let needed_s = length_s * 6.0 / apart.max(1e-6);
-    Some(if needed_s < 20.0 * length_s {
-        format!(
-            "{a} and {b} part by {apart:.1} nats in this log: about {needed_s:.0} s of such commands would split them"
-        )
-    } else {
-        format!("{a} and {b} part by {apart:.2} nats in this log: commands of this kind will not split them")
-    })
 }

@@ -28,6 +28,10 @@ pub struct Diagnosis {
     pub cannot_tell_apart: Vec<Vec<String>>,
     /// What to record to split what is tied; `None` where nothing is.
     pub next_experiment: Option<String>,
+    /// The keys of the scenario that drive the robot so, as `table.key = value`; `None` where the log's own commands are as
+    /// good as any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub next_keys: Option<String>,
     /// For each effect's sized parameter, `NAME.PARAM`, the smallest distance from its null value that this
     /// log would have shown.
     pub smallest_visible: BTreeMap<String, f64>,

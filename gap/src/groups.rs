@@ -66,19 +66,23 @@ pub fn signatures<'a>(judge: &dyn Judge, weighed: impl Iterator<Item = &'a Weigh
     weighed.map(of).collect()
 }
 
+/// By how much two effects part in nats, each at its most likely size and the other at whatever size is nearest.
+#[must_use]
+pub fn apart([a, b]: [&Weighed; 2], [of_a, of_b]: [&Signature; 2]) -> f64 {
+    let most = |weighed: &Weighed| weighed.best.variant.sizes().1 / weighed.best.size;
+    of_a.beyond(of_b, most(b)).min(of_b.beyond(of_a, most(a)))
+}
+
 /// Groups, of two and more, of effects that this log cannot split at the sizes found.
 #[must_use]
 pub fn groups(judge: &dyn Judge, weighed: &[&Weighed]) -> Vec<Vec<String>> {
     let signatures = signatures(judge, weighed.iter().copied());
-    let most = |weighed: &Weighed| weighed.best.variant.sizes().1 / weighed.best.size;
     let mut group: Vec<usize> = (0..weighed.len()).collect();
     for i in 0..weighed.len() {
         for j in 0..i {
             let seen = signatures[i].nats() > FAINT_NATS && signatures[j].nats() > FAINT_NATS;
-            let apart = signatures[i]
-                .beyond(&signatures[j], most(weighed[j]))
-                .min(signatures[j].beyond(&signatures[i], most(weighed[i])));
-            if seen && apart < SPLIT_NATS {
+            let nats = apart([weighed[i], weighed[j]], [&signatures[i], &signatures[j]]);
+            if seen && nats < SPLIT_NATS {
                 let (from, to) = (group[i], group[j]);
                 group.iter_mut().filter(|it| **it == from).for_each(|it| *it = to);
             }

@@ -15,6 +15,7 @@ pub mod diagnosis;
 pub mod directions;
 pub mod drive;
 pub mod evidence;
+pub mod experiment;
 pub mod filter;
 pub mod findings;
 pub mod fit;

@@ -3,7 +3,8 @@
 use std::sync::OnceLock;
 
 use asami_dataset::{Channel, Log, Seed};
-use asami_gap::evidence::{CLOSE, weigh};
+use asami_gap::evidence::{CLOSE, Weighed, weigh};
+use asami_gap::experiment::{Course, best, promise};
 use asami_gap::how_far::misfit;
 use asami_gap::library::{Budget, play};
 use asami_gap::{Calibration, Diagnoser, Library, Planted, Responds, Variant};
@@ -94,7 +95,7 @@ fn a_planted_effect_is_the_most_evident_and_its_size_lies_in_the_interval_or_nea
 #[test]
 fn a_diagnosis_says_where_which_and_how_far_and_says_it_twice_alike() {
     let (calibration, variants) = (Calibration::default(), variants());
-    let diagnoser = Diagnoser { library: library(), calibration: &calibration, variants: &variants };
+    let diagnoser = Diagnoser { library: library(), calibration: &calibration, variants: &variants, courses: &() };
     let log = log(&[planted("height_bias", 1.0, 1.5)], 51);
     let diagnosis = diagnoser.diagnose(&log).unwrap();
     assert_eq!(diagnosis.which[0].effects, ["height_bias"], "{diagnosis:?}");
@@ -114,7 +115,7 @@ fn a_diagnosis_says_where_which_and_how_far_and_says_it_twice_alike() {
 #[test]
 fn without_a_gap_nothing_is_named_and_what_would_have_shown_is_said() {
     let (calibration, variants) = (Calibration::default(), variants());
-    let diagnoser = Diagnoser { library: library(), calibration: &calibration, variants: &variants };
+    let diagnoser = Diagnoser { library: library(), calibration: &calibration, variants: &variants, courses: &() };
     let diagnosis = diagnoser.diagnose(&log(&[], 52)).unwrap();
     assert_eq!(diagnosis.verdict, asami_gap::diagnosis::Verdict::None);
     assert!(diagnosis.places.is_empty());
@@ -129,7 +130,7 @@ fn without_a_gap_nothing_is_named_and_what_would_have_shown_is_said() {
 #[test]
 fn logs_that_show_nothing_are_refused_and_odd_ones_survived() {
     let (calibration, variants) = (Calibration::default(), variants());
-    let diagnoser = Diagnoser { library: library(), calibration: &calibration, variants: &variants };
+    let diagnoser = Diagnoser { library: library(), calibration: &calibration, variants: &variants, courses: &() };
     let whole = log(&[], 53);
     let blind = Log { sightings: Channel::default(), ..whole.clone() };
     let short = whole.window(0.0..0.5);
@@ -149,4 +150,58 @@ fn logs_that_show_nothing_are_refused_and_odd_ones_survived() {
         let sum: f64 = diagnosis.which.iter().map(|it| it.probability).sum();
         assert!(sum > 0.99 && sum < 1.0 + 1e-9, "{sum}");
     }
+}
+
+/// By how many nats logs of a course part two effects, whichever of them it is: as promised, and as it comes out.
+fn parted(hold_s: f64, tied: &[Weighed; 2]) -> (Course, f64, f64) {
+    let mut driven = world::Plain::default();
+    driven.exploring.hold_s = hold_s;
+    let played = |planted: &[Planted], seed: u64| play(&driven, planted, Seed(2000 + seed), 120.0).unwrap().log;
+    let course = Course { words: format!("held for {hold_s} s"), keys: String::new(), log: played(&[], 100) };
+    let judge = library().judge(&course.log).unwrap();
+    let promised = promise(&*judge, &tied.each_ref().map(|it| (it, 0.5))).leading_nats;
+    let found = |truth: &Weighed, other: &Weighed| {
+        let of = |seed: u64| {
+            let judge = library().judge(&played(std::slice::from_ref(&truth.best), seed)).unwrap();
+            let rival = weigh(&*judge, std::slice::from_ref(&other.best.variant), &[], CLOSE).remove(0);
+            let gain = judge.log_likelihood(std::slice::from_ref(&truth.best)) - judge.log_likelihood(&[]);
+            gain - rival.gain_nats.max(0.0)
+        };
+        (0..LOGS).map(of).sum::<f64>() / LOGS as f64
+    };
+    let [a, b] = tied;
+    (course, promised, found(a, b).min(found(b, a)))
+}
+
+/// So many logs of each.
+const LOGS: u64 = 10;
+
+#[test]
+fn the_course_that_promises_most_keeps_its_promise() {
+    let late = planted("image_delay", 1.0, 0.04);
+    let of = |planted: &Planted| Weighed {
+        effect: planted.variant.about.name,
+        evidence_nats: 10.0,
+        best: planted.clone(),
+        gain_nats: 12.0,
+        interval: [planted.size; 2],
+    };
+    let (weighed, rival) = (of(&late), of(&planted("command_scale", -1.0, 0.05)));
+    let both = [weighed, rival];
+    let [own, short] = [5.0, 0.5].map(|hold_s| parted(hold_s, &both));
+    for (course, promised, found) in [&own, &short] {
+        // A log-likelihood ratio of mean J has variance 2 J; promises hold to second order.
+        let room = 4.0 * (2.0 * promised / LOGS as f64).sqrt() + 0.3 * promised;
+        assert!((found - promised).abs() < room, "{}: {promised} promised, {found} found", course.words);
+    }
+    let tied = both.each_ref().map(|it| (it, 0.5));
+    // What parts them is how far the robot moves between turns: after short holds long ones are advised, after long ones
+    // nothing.
+    let courses = [own.0.clone(), short.0.clone()];
+    let chosen = |after: &Course| {
+        let judge = library().judge(&after.log).unwrap();
+        best(library(), &courses, promise(&*judge, &tied), &tied).map(|(course, _)| course.words.clone())
+    };
+    assert!(own.1 > 2.0 * short.1, "{} {}", own.1, short.1);
+    assert_eq!((chosen(&short.0), chosen(&own.0)), (Some(own.0.words.clone()), None));
 }

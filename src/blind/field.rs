@@ -61,7 +61,7 @@ impl Diagnoses for Ours<'_> {
 
     fn diagnose(&self, log: &Log) -> Result<Diagnosis, CannotDiagnose> {
         let library = &self.field.shelved.library;
-        let diagnoser = Diagnoser { library, calibration: &self.calibration, variants: &self.variants };
+        let diagnoser = Diagnoser { library, calibration: &self.calibration, variants: &self.variants, courses: &() };
         Diagnoses::diagnose(&diagnoser, log)
     }
 }

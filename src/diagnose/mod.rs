@@ -1,6 +1,7 @@
 //! A log's diagnosis: the nominal world it is held against, the library and the calibration for it, and what is
 //! written of the answer.
 
+pub mod courses;
 pub mod limits;
 pub mod nominal;
 pub mod progress;
@@ -13,17 +14,19 @@ pub mod words;
 use std::path::{Path, PathBuf};
 
 use asami_dataset::Log;
-use asami_gap::calibration::{Calibration, Case};
+use asami_gap::calibration::{Calibration, Case, Evidence};
 use asami_gap::diagnose::Diagnoser;
 use asami_gap::diagnosis::CalibratedOn;
+use asami_gap::findings::Findings;
 use asami_gap::practice::LAW;
 use asami_gap::view::CannotSee;
-use asami_gap::{Budget, Diagnosis, Variant};
+use asami_gap::{Budget, Diagnosis, Responds, Variant};
 use asami_sim::effects::catalogue;
 
 use crate::report::diagnosis::{Beside, report};
 use crate::scenario::fault::nearest;
 use crate::sweep::manifest::program;
+use courses::Played;
 use limits::{Limited, ShowsNothing};
 use nominal::{Held, NoNominal};
 use progress::Listener;
@@ -101,6 +104,8 @@ pub struct Ready {
     /// Planted cases.
     pub cases: Vec<Case>,
     calibration: Calibration,
+    /// How the robot may be driven next.
+    pub courses: Played,
 }
 
 impl Ready {
@@ -130,7 +135,16 @@ impl Ready {
         };
         let without = asked.without.clone();
         let variants = variants.into_iter().filter(|it| !without.iter().any(|name| name == it.about.name)).collect();
-        Ok(Self { held, shelved, variants, without, cases, calibration })
+        let courses = Played::new(&held.simulation, length_s(log));
+        Ok(Self { held, shelved, variants, without, cases, calibration, courses })
+    }
+
+    /// What a log says of each cause.
+    ///
+    /// # Errors
+    /// [`CannotSee`] says what the log lacks.
+    pub fn evidence(&self, log: &Log) -> Result<Evidence, CannotSee> {
+        Ok(Findings::new(&*self.shelved.library.judge(log)?, &self.variants).evidence())
     }
 
     /// Where, which and how far.
@@ -139,7 +153,8 @@ impl Ready {
     /// [`CannotSee`] says what the log lacks.
     pub fn diagnose(&self, log: &Log) -> Result<Diagnosis, CannotSee> {
         let (library, calibration) = (&self.shelved.library, &self.calibration);
-        let mut diagnosis = Diagnoser { library, calibration, variants: &self.variants }.diagnose(log)?;
+        let diagnoser = Diagnoser { library, calibration, variants: &self.variants, courses: &self.courses };
+        let mut diagnosis = diagnoser.diagnose(log)?;
         diagnosis.calibrated_on = (self.calibration.cases > 0).then(|| CalibratedOn {
             scenario: self.held.name.clone(),
             cases: self.cases.len(),

@@ -166,6 +166,7 @@ learner = "canonical"
             set90: Vec::new(),
             cannot_tell_apart: Vec::new(),
             next_experiment: None,
+            next_keys: None,
             smallest_visible: BTreeMap::new(),
             calibrated_on: None,
             how_far: asami_gap::diagnosis::HowFar::default(),

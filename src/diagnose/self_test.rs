@@ -3,8 +3,10 @@
 use std::fmt::Write as _;
 use std::sync::Mutex;
 
+use asami_dataset::{Log, Seed};
 use asami_gap::Diagnosis;
 use asami_gap::diagnosis::Verdict;
+use asami_gap::groups::SPLIT_NATS;
 use rayon::prelude::*;
 
 use super::Ready;
@@ -33,6 +35,10 @@ pub struct Counts {
     pub covered: [usize; 2],
     /// Confident names, above 0.9, and how many of them were wrong.
     pub confident: [usize; 2],
+    /// Ties for which another course was advised, and how many of them a log of it split.
+    pub advised: [usize; 2],
+    /// The same ties, and how many of them as much of the same commands split.
+    pub repeated: [usize; 2],
     /// Cases whose logs showed nothing at all.
     pub blind: usize,
 }
@@ -55,17 +61,55 @@ pub fn self_test(
         let case = planting.case(1 + i);
         let log = planting.simulate(&case, &ready.held.name)?.log;
         let diagnosis = ready.diagnose(&log);
+        let split = match &diagnosis {
+            Ok(diagnosis) => further(ready, &planting, &case, &log, diagnosis)?,
+            Err(_) => None,
+        };
         if let Ok(mut counts) = counts.lock() {
             match diagnosis {
                 Ok(diagnosis) => counts.add(&truth(&case, &ready.without), &case, &diagnosis),
                 // A robot that saw nothing says nothing.
                 Err(_) => counts.blind += 1,
             }
+            if let Some([advised, repeated]) = split {
+                tally(&mut counts.advised, advised);
+                tally(&mut counts.repeated, repeated);
+            }
         }
         listener.steps();
         Ok::<(), CannotSimulate>(())
     })?;
     Ok(counts.into_inner().unwrap_or_default())
+}
+
+/// Of a tie about one effect for which another course is advised: whether a log of that course, and one more of the same
+/// commands, splits it together with the first.
+fn further(
+    ready: &Ready,
+    planting: &Planting,
+    case: &Case,
+    log: &Log,
+    diagnosis: &Diagnosis,
+) -> Result<Option<[bool; 2]>, CannotSimulate> {
+    let driven = diagnosis.next_keys.as_deref().and_then(|keys| ready.courses.driven(keys));
+    let (Some(driven), [only]) = (driven, case.planted.as_slice()) else { return Ok(None) };
+    let tied = |name: &str| diagnosis.set90.iter().any(|cause| cause.len() == 1 && cause[0] == name);
+    let (name, Ok(first)) = (only.variant.about.name, ready.evidence(log)) else { return Ok(None) };
+    if !tied(name) {
+        return Ok(None);
+    }
+    let again = Case { seed: Seed(case.seed.0 ^ 1), ..case.clone() };
+    let driven = Simulation { duration_s: planting.nominal.duration_s, ..driven };
+    let mut split = [false; 2];
+    for (split, nominal) in split.iter_mut().zip([driven, planting.nominal.clone()]) {
+        let planting = Planting { nominal, ..planting.clone() };
+        let log = planting.simulate(&again, &ready.held.name)?.log;
+        let Ok(second) = ready.evidence(&log) else { continue };
+        let both = |name: &str| first.get(name).unwrap_or(&0.0) + second.get(name).unwrap_or(&0.0);
+        let others = first.keys().filter(|cause| *cause != name && tied(cause));
+        *split = others.map(|other| both(name) - both(other)).all(|nats| nats > SPLIT_NATS);
+    }
+    Ok(Some(split))
 }
 
 /// The right answer: the planted effects' names in alphabetical order, *none*, or *unknown* where one of them is out of the
@@ -142,6 +186,8 @@ impl Counts {
         say("all cases", self.in_set, "in the 90 % set");
         say("effects named rightly", self.covered, "sizes within the 90 % interval");
         say("names given with more than 0.9", self.confident, "wrong");
+        say("ties with another course advised", self.advised, "split by as long a log of that course");
+        say("the same ties", self.repeated, "split by as much of the same commands");
         if self.blind > 0 {
             let _ = writeln!(out, "self-test  {} more showed nothing at all", self.blind);
         }

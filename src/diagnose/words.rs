@@ -49,6 +49,9 @@ pub fn text(diagnosis: &Diagnosis) -> String {
     }
     if let Some(next) = &diagnosis.next_experiment {
         say("next", next);
+        if let Some(keys) = &diagnosis.next_keys {
+            say("", &format!("{keys} in the scenario drives so"));
+        }
     }
     let far = &diagnosis.how_far;
     if let (Some(closed), Some([low, high])) = (far.closed, far.interval) {

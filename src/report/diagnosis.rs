@@ -251,7 +251,10 @@ fn before_and_after(diagnosis: &Diagnosis) -> Figure {
 
 fn next(diagnosis: &Diagnosis, beside: &Beside) -> Section {
     let section = Section::new("Next experiment").text(match &diagnosis.next_experiment {
-        Some(next) => format!("Record next: {next}."),
+        Some(next) => match &diagnosis.next_keys {
+            Some(keys) => format!("Record next: {next}. In the nominal scenario, {keys} drives so."),
+            None => format!("Record next: {next}."),
+        },
         None => "Nothing is tied: no further experiment is called for.".to_owned(),
     });
     beside.notes.iter().fold(section, |section, note| section.text(format!("This log: {note}.")))

@@ -14,6 +14,8 @@ use rand::RngExt;
 pub struct Plain {
     /// The robot.
     pub config: PlainConfig,
+    /// How it explores.
+    pub exploring: Exploring,
     effects: Effects,
     field: Field,
 }
@@ -28,6 +30,7 @@ impl Default for Plain {
         let beacons = (0..).zip(corners).map(beacon).collect();
         Self {
             config: PlainConfig::default(),
+            exploring: Exploring::default(),
             effects: Effects::default(),
             field: Field { beacons, clutter: Vec::new() },
         }
@@ -59,6 +62,6 @@ impl Nominal for Plain {
     }
 
     fn drive(&self, seed: Seed) -> Box<dyn Drive> {
-        Box::new(Explore::new(Exploring::default(), Suite::default().actions(), seed.stream("drive")))
+        Box::new(Explore::new(self.exploring.clone(), Suite::default().actions(), seed.stream("drive")))
     }
 }

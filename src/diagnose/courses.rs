@@ -1,0 +1,105 @@
+//! Ways to drive a scenario's robot that differ from its own by a key of `[drive]`.
+
+use std::sync::OnceLock;
+
+use asami_dataset::Seed;
+use asami_gap::experiment::{Course, Courses};
+use asami_gap::library::play;
+use asami_sim::drives::explore::Exploring;
+use asami_sim::drives::pace::Pacing;
+use rayon::prelude::*;
+
+use crate::scenario::{Policy, Simulation};
+
+/// The seed of the logs that courses are judged by: no case has it.
+const SEED: Seed = Seed(7_900_000_000);
+/// For how long commands are held, s.
+const HOLDS_S: [f64; 5] = [0.25, 0.5, 1.0, 2.5, 8.0];
+/// Share of a field's extent that is a small one.
+const INNER: f64 = 0.45;
+
+/// The courses of a nominal world, played once they are asked for.
+pub struct Played {
+    simulation: Simulation,
+    length_s: f64,
+    courses: OnceLock<Vec<Course>>,
+}
+
+impl Played {
+    /// Of logs of this length.
+    #[must_use]
+    pub fn new(simulation: &Simulation, length_s: f64) -> Self {
+        Self { simulation: simulation.clone(), length_s, courses: OnceLock::new() }
+    }
+
+    /// The world driven as these keys have it.
+    #[must_use]
+    pub fn driven(&self, keys: &str) -> Option<Simulation> {
+        let found = ways(&self.simulation).into_iter().find(|way| way.keys == keys)?;
+        Some(Simulation { drive: found.drive, ..self.simulation.clone() })
+    }
+
+    fn play(&self, way: Way) -> Option<Course> {
+        let driven = Simulation { drive: way.drive, ..self.simulation.clone() };
+        let log = play(&driven, &[], SEED, self.length_s).ok()?.log;
+        Some(Course { words: way.words, keys: way.keys, log })
+    }
+}
+
+impl Courses for Played {
+    fn courses(&self) -> &[Course] {
+        self.courses.get_or_init(|| ways(&self.simulation).into_par_iter().filter_map(|way| self.play(way)).collect())
+    }
+}
+
+/// A course that is not played yet.
+struct Way {
+    words: String,
+    keys: String,
+    drive: Policy,
+}
+
+impl Way {
+    fn held(hold_s: f64, drive: Policy) -> Self {
+        Self {
+            words: format!("with each command held for {hold_s} s"),
+            keys: format!("drive.hold_s = {hold_s}"),
+            drive,
+        }
+    }
+}
+
+fn ways(simulation: &Simulation) -> Vec<Way> {
+    match &simulation.drive {
+        Policy::Explore(own) => {
+            let held = HOLDS_S.into_iter().filter(|hold_s| *hold_s != own.hold_s);
+            let ways = held.map(|hold_s| Way::held(hold_s, Policy::Explore(Exploring { hold_s, ..own.clone() })));
+            let [field_x_m, field_y_m] = [own.field_x_m, own.field_y_m].map(|it| (100.0 * INNER * it).round() / 100.0);
+            let inner = Way {
+                words: format!("in the inner {field_x_m} by {field_y_m} m of the field"),
+                keys: format!("drive.field_x_m = {field_x_m}, drive.field_y_m = {field_y_m}"),
+                drive: Policy::Explore(Exploring { field_x_m, field_y_m, ..own.clone() }),
+            };
+            ways.chain([inner]).collect()
+        }
+        Policy::Pace(own) => paced(own, &Policy::Pace),
+        Policy::Stride(own) => paced(own, &Policy::Stride),
+        // A person who drives through traffic does not choose.
+        Policy::Route(_) => Vec::new(),
+    }
+}
+
+/// Held for other times, and near the beacon or far from it alone.
+fn paced(own: &Pacing, policy: &dyn Fn(Pacing) -> Policy) -> Vec<Way> {
+    let held = HOLDS_S.into_iter().filter(|hold_s| *hold_s != own.hold_s);
+    let mut ways: Vec<Way> = held.map(|hold_s| Way::held(hold_s, policy(Pacing { hold_s, ..own.clone() }))).collect();
+    let between_px = ((own.near_height_px * own.far_height_px).sqrt() * 10.0).round() / 10.0;
+    let near = ("far_height_px", "near the beacon", Pacing { far_height_px: between_px, ..own.clone() });
+    let far = ("near_height_px", "far from the beacon", Pacing { near_height_px: between_px, ..own.clone() });
+    ways.extend([near, far].map(|(key, words, pacing)| Way {
+        words: format!("walking to and fro {words} alone"),
+        keys: format!("drive.{key} = {between_px}"),
+        drive: policy(pacing),
+    }));
+    ways
+}
