@@ -29,6 +29,7 @@ pub mod place;
 pub mod plant;
 pub mod practice;
 pub mod regimes;
+pub mod rhythm;
 pub mod rivals;
 pub mod shape;
 pub mod shrink;

@@ -14,6 +14,7 @@ use crate::judge::Judge;
 use crate::memory::Memory;
 use crate::nominal::{CannotPlay, Nominal};
 use crate::plant::{Planted, Variant};
+use crate::rhythm::Rhythm;
 use crate::shape::{Numbers, ORDER, Shape};
 use crate::sighted::Sighted;
 use crate::sizes::{spaced, straight, through};
@@ -78,6 +79,8 @@ pub struct Base {
     pub numbers: Vec<f64>,
     /// What the runs with their truth show of them, from which effects' changes are counted.
     fitted: Vec<f64>,
+    /// What of every log is taken away first.
+    pub rhythm: Rhythm,
     /// How innovations hang on those before them.
     pub memory: Memory,
 }
@@ -182,9 +185,10 @@ impl Base {
     pub fn of(runs: &[Dataset]) -> Option<Self> {
         let shape = fit::shape(runs)?;
         let shape = Shape { columns: shape.columns.knowing(&fit::motion_alone(&shape, runs)), ..shape };
-        let numbers = fit::nominal(&shape, runs);
-        let memory = remembered(&shape, &numbers, runs);
-        let mut base = Self { shape, fitted: numbers.clone(), numbers, memory };
+        let rhythm = fit::rhythm(&shape, runs);
+        let numbers = fit::nominal(&shape, &rhythm, runs);
+        let memory = remembered(&shape, &rhythm, &numbers, runs);
+        let mut base = Self { shape, fitted: numbers.clone(), numbers, rhythm, memory };
         base.memory.spread = base.spread(runs);
         base.numbers = base.polished(runs);
         base.memory.spread = [1.0; 2];
@@ -240,7 +244,8 @@ impl Entry {
         let greatest = sizes.last().copied().unwrap_or(1.0);
         runs.iter_mut().for_each(|(size, _)| *size /= greatest);
         let free = Free { wear: variant.block() == Block::Drift };
-        let responses = changed(&base.shape, &base.fitted, &runs, free, run(variant) == Run::Polynomial);
+        let responses =
+            changed(&base.shape, (&base.rhythm, &base.fitted), &runs, free, run(variant) == Run::Polynomial);
         let change = |with: Vec<f64>| with.iter().zip(&base.fitted).map(|(with, without)| with - without).collect();
         Self { kind: variant.name(), sizes, changes: responses.into_iter().map(change).collect(), run: run(variant) }
     }

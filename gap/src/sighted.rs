@@ -2,16 +2,17 @@
 
 use asami_dataset::Log;
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, sin_cos};
+use asami_math::elementary::{atan2, exp, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::directions::{Direction, directions};
 use crate::filter::{Counted, Filtered, UNCOUNTED, counted, filter};
 use crate::judge::{Channel, Innovation, Judge, Moment, Reading, Regime, Share};
-use crate::library::Library;
+use crate::library::{Base, Library};
 use crate::memory::Memory;
 use crate::plant::{Planted, Variant};
 use crate::regimes::{channels, regimes};
+use crate::rhythm::Heard;
 use crate::shape::{Numbers, Shape, Sight};
 use crate::state::Belief;
 use crate::view::{CannotSee, View};
@@ -45,7 +46,11 @@ impl<'a> Sighted<'a> {
     /// # Errors
     /// [`CannotSee`] says what the log lacks.
     pub fn new(log: &Log, library: &'a Library) -> Result<Self, CannotSee> {
-        let view = View::new(log, &library.base.shape.columns)?;
+        let mut view = View::new(log, &library.base.shape.columns)?;
+        if !library.base.rhythm.is_silent() {
+            let heard = heard(&library.base, &view);
+            view.steady(&library.base.rhythm.of(&heard));
+        }
         let begin = view.steps.iter().position(|step| !step.seen.is_empty()).unwrap_or(0);
         let scored_s = view.steps[begin].t_s + SETTLING_S;
         let settling = view.steps[begin..].iter().take_while(|step| step.t_s < scored_s).count();
@@ -138,6 +143,27 @@ impl Judge for Sighted<'_> {
     fn regimes(&self) -> Vec<Regime> {
         regimes(&self.view.steps[self.scored()..])
     }
+}
+
+/// What every sighting of a log is off what a filter expects, in the order of the view.
+fn heard(base: &Base, view: &View) -> Vec<Heard> {
+    let Base { shape, rhythm, .. } = base;
+    let begin = view.steps.iter().position(|step| !step.seen.is_empty()).unwrap_or(0);
+    let mut belief = start(shape, &rhythm.numbers, view, begin);
+    let steps = begin..view.steps.len();
+    let filtered = filter(shape, &rhythm.numbers, Memory::default(), view, steps, &mut belief, UNCOUNTED);
+    let size = &rhythm.numbers[shape.range(Numbers::Size)];
+    let noise = [shape.range(Numbers::SizeNoise).start, shape.range(Numbers::BearingNoise).start];
+    let sd = |i: usize| {
+        let band = shape.band(distance(shape, size, view.seen[i].size));
+        noise.map(|at| exp(rhythm.numbers[at + band]))
+    };
+    let steps = view.steps.iter().flat_map(|step| step.seen.clone().map(|i| (i, step.t_s)));
+    let mut heard: Vec<Heard> = steps.map(|(i, t_s)| Heard { t_s, off: None, sd: sd(i) }).collect();
+    for it in filtered.innovations.iter().filter(|it| it.genuine > 0.5) {
+        heard[it.seen].off = Some([0, 1].map(|k| it.plain[k] / heard[it.seen].sd[k]));
+    }
+    heard
 }
 
 /// The best of several places around the first landmark seen; before a single landmark they are all the same.

@@ -96,6 +96,14 @@ const LONGEST_STEP_S: f64 = 0.25;
 const MOST_STEPS: f64 = 10_000.0;
 
 impl View {
+    /// Takes a part of every sighting's size and bearing away.
+    pub fn steady(&mut self, of: &[[f64; 2]]) {
+        for (seen, [of_size, of_bearing]) in self.seen.iter_mut().zip(of) {
+            seen.size -= of_size;
+            seen.bearing_rad -= of_bearing;
+        }
+    }
+
     /// The view of a log through `columns`.
     ///
     /// # Errors

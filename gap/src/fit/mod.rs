@@ -10,6 +10,7 @@ use asami_math::elementary::sin_cos;
 
 use crate::columns::{Columns, Group};
 use crate::memory::Memory;
+use crate::rhythm::{Heard, Rhythm};
 use crate::shape::{Shape, Sight};
 use crate::view::{CannotSee, View};
 
@@ -64,14 +65,23 @@ pub struct Free {
 #[must_use]
 pub fn motion_alone(shape: &Shape, runs: &[Dataset]) -> Vec<f64> {
     let mut numbers = vec![0.0; shape.len()];
-    motion::nominal(shape, &seen(shape, runs), &mut numbers);
+    motion::nominal(shape, &seen(shape, &Rhythm::default(), runs), &mut numbers);
     numbers
+}
+
+/// The rhythm in the noise of runs of the nominal world, and the response with all of it in.
+#[must_use]
+pub fn rhythm(shape: &Shape, runs: &[Dataset]) -> Rhythm {
+    let numbers = nominal(shape, &Rhythm::default(), runs);
+    let runs = seen(shape, &Rhythm::default(), runs);
+    let heard: Vec<Vec<Heard>> = runs.iter().map(|run| sensor::heard(shape, run, &numbers)).collect();
+    Rhythm::listen(&heard, frame_s(&runs), &numbers)
 }
 
 /// The nominal response.
 #[must_use]
-pub fn nominal(shape: &Shape, runs: &[Dataset]) -> Vec<f64> {
-    let runs = seen(shape, runs);
+pub fn nominal(shape: &Shape, rhythm: &Rhythm, runs: &[Dataset]) -> Vec<f64> {
+    let runs = seen(shape, rhythm, runs);
     let mut numbers = vec![0.0; shape.len()];
     motion::nominal(shape, &runs, &mut numbers);
     motion::noise(shape, &runs, false, &mut numbers);
@@ -82,15 +92,21 @@ pub fn nominal(shape: &Shape, runs: &[Dataset]) -> Vec<f64> {
 
 /// How the noise of sightings hangs on the noise before it, as runs of the nominal world show.
 #[must_use]
-pub fn remembered(shape: &Shape, numbers: &[f64], runs: &[Dataset]) -> Memory {
-    sensor::memory(shape, &seen(shape, runs), numbers)
+pub fn remembered(shape: &Shape, rhythm: &Rhythm, numbers: &[f64], runs: &[Dataset]) -> Memory {
+    sensor::memory(shape, &seen(shape, rhythm, runs), numbers)
 }
 
 /// The responses to an effect at several sizes, in shares of the greatest, as changes of the nominal one: what the runs
 /// do not show to change is left alone. `smooth` ones change as a parabola in the size.
 #[must_use]
-pub fn changed(shape: &Shape, base: &[f64], runs: &[(f64, Vec<Dataset>)], free: Free, smooth: bool) -> Vec<Vec<f64>> {
-    let runs: Vec<(f64, Vec<Run>)> = runs.iter().map(|(share, runs)| (*share, seen(shape, runs))).collect();
+pub fn changed(
+    shape: &Shape,
+    (rhythm, base): (&Rhythm, &[f64]),
+    runs: &[(f64, Vec<Dataset>)],
+    free: Free,
+    smooth: bool,
+) -> Vec<Vec<f64>> {
+    let runs: Vec<(f64, Vec<Run>)> = runs.iter().map(|(share, runs)| (*share, seen(shape, rhythm, runs))).collect();
     let mut responses = vec![base.to_vec(); runs.len()];
     if smooth {
         motion::changed(shape, &runs, free, &mut responses);
@@ -106,8 +122,23 @@ pub fn changed(shape: &Shape, base: &[f64], runs: &[(f64, Vec<Dataset>)], free: 
     responses
 }
 
-fn seen(shape: &Shape, runs: &[Dataset]) -> Vec<Run> {
-    runs.iter().filter_map(|run| Run::new(run, &shape.columns).ok()).collect()
+/// The runs as they are seen, with the rhythm taken out.
+fn seen(shape: &Shape, rhythm: &Rhythm, runs: &[Dataset]) -> Vec<Run> {
+    let mut runs: Vec<Run> = runs.iter().filter_map(|run| Run::new(run, &shape.columns).ok()).collect();
+    if !rhythm.is_silent() {
+        for run in &mut runs {
+            let of = rhythm.of(&sensor::heard(shape, run, &rhythm.numbers));
+            run.view.steady(&of);
+        }
+    }
+    runs
+}
+
+/// Median time from frame to frame.
+fn frame_s(runs: &[Run]) -> f64 {
+    let steps = runs.iter().flat_map(|run| &run.view.steps);
+    let frames_s: Vec<f64> = steps.map(|step| step.dt_s).filter(|dt_s| *dt_s > 0.0).collect();
+    asami_math::statistics::median(&frames_s).unwrap_or(0.0)
 }
 
 impl Run {

@@ -6,8 +6,9 @@ use asami_math::angle::wrap_rad;
 use asami_math::elementary::{exp, ln, sin_cos};
 
 use super::motion::moved;
-use super::{Run, dot};
+use super::{Run, dot, frame_s};
 use crate::memory::{Memory, Sway};
+use crate::rhythm::Heard;
 use crate::shape::{BANDS, Numbers, Shape, Sight};
 use crate::shrink::{Sums, ridged, shrunk};
 
@@ -192,11 +193,22 @@ fn noise(shape: &Shape, runs: &[Run], known: Option<&[f64]>, numbers: &mut [f64]
     numbers[i] = known.map_or(found, |known| moved(known[i], found, 1.0 / (count + 1.0)));
 }
 
+/// What every sighting of a run is off, in the order of the view.
+pub fn heard(shape: &Shape, run: &Run, numbers: &[f64]) -> Vec<Heard> {
+    let noise = [shape.range(Numbers::SizeNoise).start, shape.range(Numbers::BearingNoise).start];
+    let mut heard = Vec::with_capacity(run.view.seen.len());
+    each(shape, run, numbers, |left, _| {
+        let sd = [0, 1].map(|k| exp(numbers[noise[k] + left.band]));
+        let off = [0, 1].map(|k| left.residual[k] / sd[k]);
+        heard.push(Heard { t_s: run.view.steps[left.step].t_s, off: (left.genuine > 0.5).then_some(off), sd });
+    });
+    heard
+}
+
 /// The noise's sways, as runs with these numbers show them.
 pub fn memory(shape: &Shape, runs: &[Run], numbers: &[f64]) -> Memory {
     let noise = [shape.range(Numbers::SizeNoise).start, shape.range(Numbers::BearingNoise).start];
     let mut noises: [Vec<Vec<Option<f64>>>; 2] = Default::default();
-    let mut frames_s: Vec<f64> = Vec::new();
     for run in runs {
         // Of several landmarks in a frame the mean: what sways is common to all.
         let mut sums = vec![([0.0; 2], 0.0); run.view.steps.len()];
@@ -210,10 +222,8 @@ pub fn memory(shape: &Shape, runs: &[Run], numbers: &[f64]) -> Memory {
         for (k, noises) in noises.iter_mut().enumerate() {
             noises.push(sums.iter().map(|(sum, n)| (*n > 0.0).then(|| sum[k] / n)).collect());
         }
-        frames_s.extend(run.view.steps.iter().map(|step| step.dt_s).filter(|dt_s| *dt_s > 0.0));
     }
-    let frame_s = asami_math::statistics::median(&frames_s).unwrap_or(0.0);
-    Memory { sways: [0, 1].map(|k| Sway::learn(&noises[k])), spread: [1.0; 2], frame_s }
+    Memory { sways: [0, 1].map(|k| Sway::learn(&noises[k])), spread: [1.0; 2], frame_s: frame_s(runs) }
 }
 
 /// How often landmarks are seen, by bin.
