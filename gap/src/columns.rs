@@ -15,6 +15,13 @@ use serde::{Deserialize, Serialize};
 const AGES_S: [f64; 9] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7, 1.0];
 /// Knots of the curve over a velocity that takes any value.
 const KNOTS: usize = 13;
+/// Speeds, in shares of the greatest, between which the answer to a bearing runs straight.
+const SPEED_KNOTS: [f64; 4] = [0.0, 0.15, 0.4, 1.0];
+/// Ages of bearings between which they are averaged, in seconds: about a stride, for from frame to frame the body sways, and
+/// with it what is seen.
+const HELD_AGES_S: [f64; 4] = [0.0, 0.37, 0.74, 1.11];
+/// A bearing seen longer ago is held no more, in seconds.
+const HELD_S: f64 = 1.0;
 /// Columns that grow with time in the log are in units of it.
 const WEAR_S: f64 = 100.0;
 
@@ -43,7 +50,8 @@ pub enum Group {
     Lingering,
     /// Cosine and sine of the heading while moving, and the same times the speed over the ground.
     Heading,
-    /// Last bearing of the only landmark, while moving.
+    /// Bearings at which the only landmark was seen last while moving, by age and speed: a robot answers to them as late as
+    /// to commands, and feet that are hardly lifted do not turn it.
     Held,
     /// Growing with time in the log: velocities, velocities times speed, moving at all.
     Wear,
@@ -91,7 +99,8 @@ impl Columns {
             Group::Curve => self.ids.len(),
             Group::Lingering => 3 * (AGES_S.len() - 1),
             Group::Heading => 4,
-            Group::Held => 1,
+            Group::Held if self.heading => 0,
+            Group::Held => SPEED_KNOTS.len() * (HELD_AGES_S.len() - 1),
             Group::Wear => 7,
         }
     }
@@ -128,15 +137,8 @@ impl Columns {
 
     /// Fills the row of the interval from `from_s` to `to_s` (of the heading's columns the first, with the
     /// share of the interval in which the robot attempts to move), and gives the velocities attempted, in
-    /// shares of the greatest.
-    pub fn fill(
-        &self,
-        commands: &[Command],
-        from_s: f64,
-        to_s: f64,
-        held_rad: Option<f64>,
-        row: &mut [f64],
-    ) -> Attempt {
+    /// shares of the greatest. `held` are the times and bearings of what was seen before.
+    pub fn fill(&self, commands: &[Command], from_s: f64, to_s: f64, held: &[(f64, f64)], row: &mut [f64]) -> Attempt {
         row.fill(0.0);
         let (mut now, mut moving) = ([0.0; 3], 0.0);
         each(commands, from_s, to_s, |share, action| {
@@ -162,10 +164,14 @@ impl Columns {
         let heading = self.range(Group::Heading).start;
         row[heading] = moving;
         row[heading + 2] = hypot(velocity[0], velocity[1]);
-        if let Some(held_rad) = held_rad.filter(|_| !self.heading) {
-            row[self.range(Group::Held).start] = moving * held_rad.clamp(-0.4, 0.4);
-        }
         let speed = now.iter().fold(0.0, |sum, u| sum + u * u).sqrt();
+        let (knot, share) = speed_knot(speed);
+        let held_columns = row[self.range(Group::Held)].chunks_exact_mut(SPEED_KNOTS.len());
+        for (ages_s, columns) in HELD_AGES_S.windows(2).zip(held_columns) {
+            let held_rad = held_rad(held, middle_s - ages_s[1], middle_s - ages_s[0]);
+            columns[knot] = moving * (1.0 - share) * held_rad;
+            columns[knot + 1] = moving * share * held_rad;
+        }
         let wear = &mut row[self.range(Group::Wear)];
         let worn = velocity.into_iter().chain(velocity.map(|it| speed * it)).chain([moving]);
         for (column, value) in wear.iter_mut().zip(worn) {
@@ -218,6 +224,25 @@ impl Columns {
     }
 }
 
+/// The knot below a speed, and how far it is towards the next.
+fn speed_knot(speed: f64) -> (usize, f64) {
+    let last = SPEED_KNOTS.len() - 2;
+    let knot = SPEED_KNOTS[1..=last].partition_point(|it| *it <= speed);
+    let share = (speed - SPEED_KNOTS[knot]) / (SPEED_KNOTS[knot + 1] - SPEED_KNOTS[knot]);
+    (knot, share.clamp(0.0, 1.0))
+}
+
+/// The bearing that a robot holds its heading by between two times: the mean of those seen, or the last seen before,
+/// unless that is long ago.
+fn held_rad(held: &[(f64, f64)], from_s: f64, to_s: f64) -> f64 {
+    let clamped = |(_, bearing_rad): &(f64, f64)| bearing_rad.clamp(-0.4, 0.4);
+    let [from, to] = [from_s, to_s].map(|t_s| held.partition_point(|(seen_s, _)| *seen_s <= t_s));
+    if from < to {
+        return held[from..to].iter().map(clamped).sum::<f64>() / (to - from) as f64;
+    }
+    held[..from].last().filter(|(seen_s, _)| to_s - seen_s <= HELD_S).map_or(0.0, clamped)
+}
+
 /// The velocities that an action attempts, and its id. Pedals attempt none.
 fn attempt(action: &Action) -> (Option<u16>, Attempt) {
     match *action {
@@ -258,7 +283,7 @@ mod tests {
         let commands = [forward(0.0, 0.3), forward(5.0, -0.15)];
         let columns = Columns::new(commands.iter(), 1);
         let mut row = vec![0.0; columns.len()];
-        let now = columns.fill(&commands, 3.0, 3.05, None, &mut row);
+        let now = columns.fill(&commands, 3.0, 3.05, &[], &mut row);
         assert!((now[1] - 1.0).abs() < 1e-12);
         assert!(row[columns.range(Group::Lingering)].iter().all(|it| it.abs() < 1e-12));
         assert!((row[columns.range(Group::Curve)].iter().sum::<f64>() - 1.0).abs() < 1e-12);
@@ -270,7 +295,7 @@ mod tests {
         let columns = Columns::new(commands.iter(), 1);
         let lingering = |from_s: f64| {
             let mut row = vec![0.0; columns.len()];
-            columns.fill(&commands, from_s, from_s + 0.05, None, &mut row);
+            columns.fill(&commands, from_s, from_s + 0.05, &[], &mut row);
             row[columns.range(Group::Lingering)].chunks(3).map(|it| it[1]).collect::<Vec<_>>()
         };
         // 0.125 s after the change, all of what is older than 0.15 s is still the command before: 1 against -0.5.

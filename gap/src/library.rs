@@ -58,6 +58,8 @@ impl Budget {
 /// Seeds of a library's runs begin here: no case is ever given one of them.
 pub(crate) const FIRST_SEED: u64 = 7_000_000_000;
 
+/// In these blocks, one after another.
+const POLISHED_BLOCKS: [&str; 4] = ["noise", "timing", "noise", "timing"];
 /// Of so many nominal logs the likelihood is made greatest.
 const POLISHED: usize = 16;
 
@@ -196,14 +198,18 @@ impl Base {
         Some(base)
     }
 
-    /// The numbers that make nominal logs most likely in their timing: how a head that follows a landmark answers to a sway
-    /// shows in what a filter expects, and not in runs with their truth.
+    /// The numbers that make nominal logs most likely in their noise and timing: how a head that follows a landmark answers
+    /// to a sway, and what is left of a rhythm, shows in what a filter expects, and not in runs with their truth.
     fn polished(&self, runs: &[Dataset]) -> Vec<f64> {
         let alone = Library { base: self.clone(), entries: Vec::new() };
         let judges: Vec<Sighted<'_>> =
             runs.iter().take(POLISHED).filter_map(|run| Sighted::new(&run.log, &alone).ok()).collect();
         let judges: Vec<&dyn Judge> = judges.iter().map(|judge| judge as &dyn Judge).collect();
-        polished(&judges, &self.numbers, "timing")
+        let mut numbers = self.numbers.clone();
+        for block in POLISHED_BLOCKS {
+            numbers = polished(&judges, &numbers, block);
+        }
+        numbers
     }
 
     /// How far the nominal logs' innovations scatter, once sways are taken into account.

@@ -5,6 +5,7 @@
 //! and then frozen: a sway that is taken for white noise makes false causes out of nothing, and is not noise enough to
 //! follow it where it is slow.
 
+use asami_math::elementary::{exp, ln, sin_cos};
 use serde::{Deserialize, Serialize};
 
 /// The sways of sizes and of bearings, and how far innovations scatter once they are taken into account.
@@ -28,11 +29,14 @@ pub struct Sway {
 }
 
 /// Lags, in frames, at which noise is held against itself.
-const LAGS: usize = 8;
+const LAGS: usize = 24;
+/// Decays and frequencies that are tried.
+const DECAYS: usize = 40;
+const TURNS: usize = 60;
 /// A sway of a smaller share than this is none.
 const LEAST_SHARE: f64 = 0.05;
-/// Greatest modulus of a sway's roots.
-const GREATEST_ROOT: f64 = 0.98;
+/// A sway fades to 1/e in so many frames, from the least to the greatest.
+const FRAMES: [f64; 2] = [0.7, 60.0];
 
 impl Default for Memory {
     fn default() -> Self {
@@ -46,6 +50,12 @@ impl Memory {
     pub fn sways(&self) -> bool {
         self.sways.iter().any(|sway| sway.share > 0.0)
     }
+}
+
+/// Modulus of the roots of the `i`-th decay.
+fn root(i: usize) -> f64 {
+    let [least, greatest] = FRAMES.map(ln);
+    exp(-exp(-(least + (greatest - least) * i as f64 / (DECAYS - 1) as f64)))
 }
 
 impl Sway {
@@ -74,28 +84,27 @@ impl Sway {
         Self::of(&r).unwrap_or_default()
     }
 
-    /// The sway of these autocorrelations. White noise is in that of lag 0 alone, so that the equations of Yule and Walker
-    /// hold from lag 3 on.
+    /// The sway whose autocorrelations are nearest to these: of a grid of decays and frequencies, 0 among them. White noise
+    /// is in that of lag 0 alone.
     fn of(r: &[f64; LAGS + 1]) -> Option<Self> {
-        let sum = |a: usize, b: usize| (3..=LAGS).fold(0.0, |sum, k| sum + r[k - a] * r[k - b]);
-        let determinant = sum(1, 1) * sum(2, 2) - sum(1, 2) * sum(1, 2);
-        if determinant <= 1e-9 {
-            return None;
-        }
-        let p = (sum(0, 1) * sum(2, 2) - sum(0, 2) * sum(1, 2)) / determinant;
-        let q = (sum(0, 2) * sum(1, 1) - sum(0, 1) * sum(1, 2)) / determinant;
-        // The roots are drawn in until the sway is stationary.
-        let root = if q < 0.0 && p * p + 4.0 * q < 0.0 {
-            (-q).sqrt()
-        } else {
-            0.5 * (p.abs() + (p * p + 4.0 * q).max(0.0).sqrt())
+        let slow = (1..DECAYS).map(|i| [root(i), 0.0]);
+        let turning = (0..DECAYS).flat_map(|i| {
+            (1..TURNS).map(move |j| {
+                let turn_rad = std::f64::consts::PI * j as f64 / TURNS as f64;
+                [2.0 * root(i) * sin_cos(turn_rad).1, -root(i) * root(i)]
+            })
+        });
+        let near = |on: [f64; 2]| {
+            let sway = Self { share: 1.0, on };
+            let own = sway.correlations::<{ LAGS + 1 }>();
+            let (fit, norm) =
+                (1..=LAGS).fold((0.0, 0.0), |(fit, norm), k| (fit + r[k] * own[k], norm + own[k] * own[k]));
+            let share = (fit / norm).clamp(0.0, 0.95);
+            let off = (1..=LAGS).fold(0.0, |sum, k| sum + (r[k] - share * own[k]) * (r[k] - share * own[k]));
+            (off, Self { share, on })
         };
-        let by = if root > GREATEST_ROOT { GREATEST_ROOT / root } else { 1.0 };
-        let sway = Self { share: 1.0, on: [p * by, q * by * by] };
-        let own = sway.correlations::<{ LAGS + 1 }>();
-        let (fit, norm) = (1..=4).fold((0.0, 0.0), |(fit, norm), k| (fit + r[k] * own[k], norm + own[k] * own[k]));
-        let share = (fit / norm).min(0.95);
-        (share >= LEAST_SHARE).then_some(Self { share, ..sway })
+        let nearest = slow.chain(turning).map(near).reduce(|a, b| if b.0 < a.0 { b } else { a })?.1;
+        (nearest.share >= LEAST_SHARE).then_some(nearest)
     }
 
     /// Its autocorrelations.

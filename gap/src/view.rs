@@ -87,8 +87,6 @@ pub struct View {
 
 /// Fewer frames with sightings than this say nothing.
 pub const LEAST_SEEN: usize = 20;
-/// The heading hold forgets a landmark not seen for this long.
-const HELD_S: f64 = 1.0;
 /// Motion is taken to be straight, and the filter linear, for no longer than this: between frames farther apart steps without
 /// one are put in.
 const LONGEST_STEP_S: f64 = 0.25;
@@ -123,7 +121,7 @@ impl View {
             ranges: log.sightings.iter().any(|it| matches!(it.size, Size::RangeM(_))),
             misses: log.frames.is_some(),
         };
-        let mut held: Option<(f64, f64)> = None;
+        let mut held: Vec<(f64, f64)> = Vec::with_capacity(log.sightings.len());
         let mut next = 0;
         for (i, (frame, looked)) in frames.iter().enumerate() {
             let before = i.checked_sub(1).map(|before| &frames[before]);
@@ -131,15 +129,14 @@ impl View {
             // How fast the head turned while nobody looked is not known.
             let turned = before.filter(|(_, looked)| *looked);
             let turned = turned.map_or(0.0, |(before, _)| frame.head_pan_rad - before.head_pan_rad);
-            let held_rad = held.filter(|(t_s, _)| frame.t_s - t_s <= HELD_S).map(|(_, bearing_rad)| bearing_rad);
             let row = &mut view.rows[i * columns.len()..(i + 1) * columns.len()];
-            let attempt = columns.fill(&log.commands, frame.t_s - dt_s, frame.t_s, held_rad, row);
+            let attempt = columns.fill(&log.commands, frame.t_s - dt_s, frame.t_s, &held, row);
             let start = view.seen.len();
             while let Some(sighting) = log.sightings.get(next).filter(|it| it.t_s <= frame.t_s + 1e-9) {
                 let landmark = log.known.landmarks.iter().position(|it| it.id == sighting.landmark);
                 let landmark = landmark.ok_or(CannotSee::UnknownLandmark(sighting.landmark))?;
                 view.seen.push(Seen { landmark, size: sighting.size.value(), bearing_rad: sighting.bearing_rad });
-                held = Some((sighting.t_s, sighting.bearing_rad));
+                held.push((sighting.t_s, sighting.bearing_rad));
                 next += 1;
             }
             view.steps.push(Step {

@@ -8,7 +8,7 @@ use crate::shape::{Numbers, SPEEDS, Shape, speed_class};
 use crate::shrink::{Sums, ridged, shrunk, stands_out};
 
 /// Motion noise is measured over blocks of so long: from frame to frame a gait sways.
-const BLOCK_S: f64 = 1.0;
+const BLOCK_S: f64 = 2.0;
 /// Prior standard deviation of every column's number, in the unit of what it makes.
 const PRIOR_MOTION: [f64; 3] = [0.3, 0.3, 2.0];
 /// Noise of a class of speed counts at least this share of the greatest: standing still is not measured endlessly well.
