@@ -121,8 +121,9 @@ impl Calibration {
         }
         for (threshold, scores) in calibration.thresholds.iter_mut().zip(&mut scores) {
             scores.sort_by(f64::total_cmp);
-            // The conformal rank: one in ten of n + 1, rounded down.
-            let rank = ((scores.len() + 1) / 10).max(1) - 1;
+            // The conformal rank: one in sixteen of n + 1, rounded down. What does not show of two effects is in no set, and
+            // takes the rest of the tenth.
+            let rank = ((scores.len() + 1) / 16).max(1) - 1;
             *threshold = scores.get(rank).copied().unwrap_or(0.05);
         }
         calibration.absorbed_nats = cases.iter().filter_map(|case| case.absorbed_nats).collect();
