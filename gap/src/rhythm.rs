@@ -99,23 +99,16 @@ fn about(near: &[Heard], k: usize, hertz: &[f64], t_s: f64) -> Option<f64> {
             let (sin, cos) = sin_cos(TAU * hz * since_s);
             pair.copy_from_slice(&[cos, sin]);
         }
-        for i in 0..p {
-            right[i] += weight * row[i] * off;
-            for j in 0..=i {
-                matrix[i][j] += weight * row[i] * row[j];
-            }
+        for ((column, right), of) in matrix.iter_mut().zip(&mut right).zip(&row) {
+            *right += weight * of * off;
+            column.iter_mut().zip(&row).for_each(|(sum, other)| *sum += weight * of * other);
         }
         n += weight;
     }
     if n < PER_NUMBER * p as f64 {
         return None;
     }
-    for i in 0..p {
-        matrix[i][i] += 1e-6 * n;
-        for j in 0..i {
-            matrix[j][i] = matrix[i][j];
-        }
-    }
+    matrix.iter_mut().enumerate().for_each(|(i, column)| column[i] += 1e-6 * n);
     let found = cholesky_solve(&cholesky(&matrix)?, &right);
     // At the time itself sines are 0 and cosines 1.
     Some(found[2..].iter().step_by(2).sum())
