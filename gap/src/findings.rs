@@ -41,7 +41,7 @@ pub struct Findings {
     pub weighed: Vec<Weighed>,
     /// Two at once, the most evident first.
     pub pairs: Vec<Pair>,
-    /// The most evident cause in the list, [`NONE`] where nothing speaks for any.
+    /// The most evident cause in the list, [`NONE`](crate::calibration::NONE) where nothing speaks for any.
     pub leader: String,
     /// Flexible blocks on top of the leader, in the order of [`blocks::BLOCKS`].
     pub blocks: Vec<Fitted>,
