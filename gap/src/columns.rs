@@ -304,4 +304,29 @@ mod tests {
         assert!(after[0].abs() < 1e-9 && (after[2] - 0.75).abs() < 1e-9, "{after:?}");
         assert!(lingering(6.1).iter().all(|it| it.abs() < 1e-9));
     }
+
+    #[test]
+    fn a_held_bearing_is_averaged_over_strides_and_shared_between_speeds() {
+        let columns = Columns::new([forward(0.0, 0.3), forward(5.0, 0.0825)].iter(), 1);
+        // Seen from frame to frame at 0.1 rad, swaying; and long ago at 0.3 rad.
+        let swaying = |n: i32| (3.0 + 0.05 * f64::from(n), if n % 2 == 0 { 0.05 } else { 0.15 });
+        let seen: Vec<(f64, f64)> = (0..60).map(swaying).collect();
+        let held = |commands: &[Command], seen: &[(f64, f64)]| {
+            let mut row = vec![0.0; columns.len()];
+            columns.fill(commands, 5.75, 5.8, seen, &mut row);
+            row[columns.range(Group::Held)].to_vec()
+        };
+        let fast = held(&[forward(0.0, 0.3)], &seen);
+        let slow = held(&[forward(0.0, 0.0825)], &seen);
+        for (fast, slow) in fast.chunks(4).zip(slow.chunks(4)) {
+            // All at the last knot; half each at those of 0.15 and 0.4.
+            assert!((fast[3] - 0.1).abs() < 0.01 && fast[..3].iter().all(|it| it.abs() < 1e-12), "{fast:?}");
+            assert!((slow[1] - 0.05).abs() < 0.005 && (slow[2] - slow[1]).abs() < 1e-9, "{slow:?}");
+        }
+        assert!(held(&[forward(0.0, 0.0)], &seen).iter().all(|it| *it == 0.0), "a robot that stands holds nothing");
+        assert!(
+            held(&[forward(0.0, 0.3)], &[(1.0, 0.3)]).iter().all(|it| *it == 0.0),
+            "what was long ago is forgotten"
+        );
+    }
 }

@@ -146,7 +146,7 @@ fn lines(runs: &[Vec<Heard>], k: usize, frame_s: f64) -> Vec<f64> {
     found
 }
 
-/// Mean power of a channel at a frequency, over stretches of all runs.
+/// Mean power of a channel at a frequency, over all runs' whole stretches.
 fn power(runs: &[Vec<Heard>], k: usize, hz: f64) -> f64 {
     let (mut sum, mut n) = (0.0, 0.0);
     for run in runs {

@@ -35,13 +35,15 @@ impl Played {
     /// The world driven as these keys have it.
     #[must_use]
     pub fn driven(&self, keys: &str) -> Option<Simulation> {
-        let found = ways(&self.simulation).into_iter().find(|way| way.keys == keys)?;
-        Some(Simulation { drive: found.drive, ..self.simulation.clone() })
+        ways(&self.simulation).into_iter().find(|way| way.keys == keys).map(|way| self.driving(way.drive))
+    }
+
+    fn driving(&self, drive: Policy) -> Simulation {
+        Simulation { drive, ..self.simulation.clone() }
     }
 
     fn play(&self, way: Way) -> Option<Course> {
-        let driven = Simulation { drive: way.drive, ..self.simulation.clone() };
-        let log = play(&driven, &[], SEED, self.length_s).ok()?.log;
+        let log = play(&self.driving(way.drive), &[], SEED, self.length_s).ok()?.log;
         Some(Course { words: way.words, keys: way.keys, log })
     }
 }
@@ -59,28 +61,27 @@ struct Way {
     drive: Policy,
 }
 
-impl Way {
-    fn held(hold_s: f64, drive: Policy) -> Self {
-        Self {
-            words: format!("with each command held for {hold_s} s"),
-            keys: format!("drive.hold_s = {hold_s}"),
-            drive,
-        }
-    }
+/// Commands held for other times than its own.
+fn held(own_s: f64, drive: impl Fn(f64) -> Policy) -> Vec<Way> {
+    let way = |hold_s: f64| Way {
+        words: format!("with each command held for {hold_s} s"),
+        keys: format!("drive.hold_s = {hold_s}"),
+        drive: drive(hold_s),
+    };
+    HOLDS_S.into_iter().filter(|hold_s| *hold_s != own_s).map(way).collect()
 }
 
 fn ways(simulation: &Simulation) -> Vec<Way> {
     match &simulation.drive {
         Policy::Explore(own) => {
-            let held = HOLDS_S.into_iter().filter(|hold_s| *hold_s != own.hold_s);
-            let ways = held.map(|hold_s| Way::held(hold_s, Policy::Explore(Exploring { hold_s, ..own.clone() })));
+            let mut ways = held(own.hold_s, |hold_s| Policy::Explore(Exploring { hold_s, ..own.clone() }));
             let [field_x_m, field_y_m] = [own.field_x_m, own.field_y_m].map(|it| (100.0 * INNER * it).round() / 100.0);
-            let inner = Way {
+            ways.push(Way {
                 words: format!("in the inner {field_x_m} by {field_y_m} m of the field"),
                 keys: format!("drive.field_x_m = {field_x_m}, drive.field_y_m = {field_y_m}"),
                 drive: Policy::Explore(Exploring { field_x_m, field_y_m, ..own.clone() }),
-            };
-            ways.chain([inner]).collect()
+            });
+            ways
         }
         Policy::Pace(own) => paced(own, &Policy::Pace),
         Policy::Stride(own) => paced(own, &Policy::Stride),
@@ -91,8 +92,7 @@ fn ways(simulation: &Simulation) -> Vec<Way> {
 
 /// Held for other times, and near the beacon or far from it alone.
 fn paced(own: &Pacing, policy: &dyn Fn(Pacing) -> Policy) -> Vec<Way> {
-    let held = HOLDS_S.into_iter().filter(|hold_s| *hold_s != own.hold_s);
-    let mut ways: Vec<Way> = held.map(|hold_s| Way::held(hold_s, policy(Pacing { hold_s, ..own.clone() }))).collect();
+    let mut ways = held(own.hold_s, |hold_s| policy(Pacing { hold_s, ..own.clone() }));
     let between_px = ((own.near_height_px * own.far_height_px).sqrt() * 10.0).round() / 10.0;
     let near = ("far_height_px", "near the beacon", Pacing { far_height_px: between_px, ..own.clone() });
     let far = ("near_height_px", "far from the beacon", Pacing { near_height_px: between_px, ..own.clone() });

@@ -5,8 +5,7 @@
 //! is: a library's error grows with what it describes. What a second effect says beyond the first, and a flexible block
 //! beyond the leading cause, is small and stays so: it counts whole. A second effect that does not show is never ruled
 //! out, so that what shows alone is at most as probable as planted cases have it. The parameters are those of least
-//! penalised log-loss, and the set that holds in 90 % of cases what shows of the truth is found by leaving folds out
-//! (Vovk 2015).
+//! penalised log-loss, and the set is found by leaving folds out (Vovk 2015).
 
 mod fit;
 
@@ -72,7 +71,7 @@ pub struct Calibration {
 
 /// Prior probability of no cause; the causes in the list share what this and [`PRIOR_UNKNOWN`] leave.
 const PRIOR_NONE: f64 = 0.3;
-/// Prior probability of a cause in nobody's list.
+/// What is left to causes in nobody's list, and the prior odds of each flexible block beside the cause that it is put on.
 const PRIOR_UNKNOWN: f64 = 0.1;
 /// Prior odds of a second effect beside the first.
 const PRIOR_OF_A_SECOND: f64 = 0.1;
@@ -238,9 +237,9 @@ fn prior(cause: &str, singles: f64) -> f64 {
     if cause == NONE {
         return PRIOR_NONE;
     }
-    // Each further effect costs a factor of 0.1, shared by all that it could have been.
+    // Each further effect costs its odds, shared by all that it could have been.
     let further = cause.matches('+').count() as i32;
-    (1.0 - PRIOR_NONE - PRIOR_UNKNOWN) / singles * (0.1 / singles).powi(further)
+    (1.0 - PRIOR_NONE - PRIOR_UNKNOWN) / singles * (PRIOR_OF_A_SECOND / singles).powi(further)
 }
 
 /// Evidence of a cause, none of *none*.
