@@ -86,7 +86,7 @@ impl On<'_> {
     /// Log-likelihoods of the logs' steps that count, one log after another; 0 of the others.
     fn likely(&self, b: &[f64]) -> Vec<f64> {
         let numbers = self.at(b);
-        let all: Vec<Vec<f64>> = self.judges.par_iter().map(|judge| judge.read(&numbers).log_likelihoods).collect();
+        let all: Vec<Vec<f64>> = self.judges.par_iter().map(|judge| judge.terms(&numbers)).collect();
         all.concat().into_iter().enumerate().map(|(i, it)| if (self.of)(i) { it } else { 0.0 }).collect()
     }
 

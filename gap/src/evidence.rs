@@ -3,10 +3,10 @@
 //! The prior of sizes is the law by which cases are planted: log-uniform from the least to the greatest.
 
 use asami_math::elementary::{exp, ln};
-use asami_math::optimise::golden_section;
 
 use crate::judge::Judge;
 use crate::plant::{Planted, Variant};
+use crate::race::Pace;
 
 /// How closely effects are looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Look {
 }
 
 /// At the effects of a log that may have any.
-pub const CLOSE: Look = Look { sizes: 8, within_nats: 25.0, least_nats: -3.0 };
+pub const CLOSE: Look = Look { sizes: 8, within_nats: 25.0, least_nats: 1.0 };
 /// At what may stand beside an effect.
 pub const PASSING: Look = Look { sizes: 4, within_nats: 8.0, least_nats: 2.0 };
 
@@ -50,6 +50,22 @@ impl Tried {
     fn best(&self) -> (f64, f64) {
         let best = self.points.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a });
         best.unwrap_or((0.0, f64::NEG_INFINITY))
+    }
+
+    /// The best point between its neighbours; at an end of the law the three at that end.
+    fn about_the_top(&self) -> Option<[(f64, f64); 3]> {
+        let top = self.best().0;
+        let i = self.points.iter().position(|it| it.0 == top)?;
+        let middle = i.clamp(1, self.points.len().checked_sub(2)?.max(1));
+        self.points.get(middle - 1..=middle + 1)?.try_into().ok()
+    }
+
+    /// Puts a point where it belongs.
+    fn add(&mut self, at: f64, nats: f64) {
+        let place = self.points.partition_point(|it| it.0 < at);
+        if self.points.get(place).is_none_or(|it| it.0 - at > 1e-9) {
+            self.points.insert(place, (at, nats));
+        }
     }
 
     /// Logarithm of the mean likelihood ratio over the law's sizes; between the points it is taken to be
@@ -92,10 +108,10 @@ fn between(a: f64, b: f64) -> f64 {
 /// the world.
 #[must_use]
 pub fn weigh(judge: &dyn Judge, variants: &[Variant], with: &[Planted], look: Look) -> Vec<Weighed> {
-    let none = judge.log_likelihood(with);
+    let pace = Pace::of(&judge.read(&judge.numbers(with)));
     let gain = |variant: &Variant, ln_size: f64| {
         let planted = Planted { variant: variant.clone(), size: exp(ln_size) };
-        let likely = judge.log_likelihood(&[with, &[planted]].concat()) - none;
+        let likely = judge.beside(&judge.numbers(&[with, &[planted]].concat()), &pace) - pace.total();
         if likely.is_finite() { likely } else { f64::NEG_INFINITY }
     };
     let mut effects: Vec<(&'static str, Vec<Tried>)> = Vec::new();
@@ -118,43 +134,61 @@ pub fn weigh(judge: &dyn Judge, variants: &[Variant], with: &[Planted], look: Lo
     effects.into_iter().filter_map(|(effect, kinds)| summary(effect, &kinds)).collect()
 }
 
-/// Finds the peak, and its flanks down to where nothing is left to integrate.
+/// The peak is looked for until a parabola promises less than this, in nats.
+const PROMISES_NOTHING_NATS: f64 = 0.02;
+/// At most so often.
+const MOST_PARABOLAS: usize = 8;
+/// Flanks, in standard deviations: from here on there is nothing left to integrate.
+const FLANKS: [f64; 6] = [-4.0, -2.5, -1.5, 1.5, 2.5, 4.0];
+
+/// Finds the peak, by parabolas through the three best points about it (Brent 1973, chapter 5), and its flanks.
 fn refine(kind: &mut Tried, gain: &impl Fn(&Variant, f64) -> f64) {
-    let Some(i) = (0..kind.points.len()).reduce(|a, b| if kind.points[b].1 > kind.points[a].1 { b } else { a }) else {
-        return;
-    };
-    let (least, greatest) = (kind.points[0].0, kind.points[kind.points.len() - 1].0);
-    let low = kind.points[i.saturating_sub(1)].0;
-    let high = kind.points[(i + 1).min(kind.points.len() - 1)].0;
-    let found = golden_section(|at| -gain(&kind.variant, at), low, high, 0.02);
-    let mut peak = (found.x, -found.value);
-    let mut further = vec![peak];
-    // The parabola through three points says where the peak is and how wide; a second, narrower one says it of strong
-    // effects, whose peaks are far narrower than the search's last step.
-    let mut h = 0.05;
-    let mut width = 1.0;
-    for _ in 0..2 {
-        let sides = [peak.0 - h, peak.0 + h].map(|at| (at, gain(&kind.variant, at)));
-        let (rise, fall) = (peak.1 - sides[0].1, peak.1 - sides[1].1);
-        let curvature = ((rise + fall) / (h * h)).max(1.0);
-        width = 1.0 / curvature.sqrt();
-        let at = (peak.0 + ((rise - fall) / (2.0 * h * curvature)).clamp(-h, h)).clamp(least, greatest);
-        let there = (at, gain(&kind.variant, at));
-        further.push(there);
-        if there.1 > peak.1 {
-            peak = there;
+    let (Some(&(least, _)), Some(&(greatest, _))) = (kind.points.first(), kind.points.last()) else { return };
+    for _ in 0..MOST_PARABOLAS {
+        let Some(top) = kind.about_the_top().and_then(|about| vertex(&about)) else { break };
+        let at = top.at.clamp(least, greatest);
+        let known = kind.points.iter().any(|it| (it.0 - at).abs() < 1e-6);
+        if known || top.promises_nats < PROMISES_NOTHING_NATS {
+            break;
         }
-        h = width;
+        kind.add(at, gain(&kind.variant, at));
     }
-    for k in [-4.0, -2.5, -1.5, -0.7, 0.7, 1.5, 2.5, 4.0] {
-        let at = peak.0 + k * width;
-        if (least..=greatest).contains(&at) {
-            further.push((at, gain(&kind.variant, at)));
+    let (at, peak_nats) = kind.best();
+    let bend = kind.about_the_top().and_then(|about| vertex(&about)).map_or(1.0, |top| top.bend).max(1.0);
+    let h = 1.0 / bend.sqrt();
+    let sides = [at - h, at + h]
+        .map(|side| if (least..=greatest).contains(&side) { gain(&kind.variant, side) } else { f64::NAN });
+    for (side, nats) in [at - h, at + h].into_iter().zip(sides).filter(|(_, nats)| !nats.is_nan()) {
+        kind.add(side, nats);
+    }
+    // A parabola through points far apart says little of a narrow peak: these are one standard deviation off it by now.
+    let falls = sides.iter().filter(|nats| nats.is_finite()).map(|nats| peak_nats - nats);
+    let bend = falls.fold(0.0, |most, fall| f64::max(most, 2.0 * fall / (h * h))).max(1.0);
+    for share in FLANKS {
+        let flank = at + share / bend.sqrt();
+        if (least..=greatest).contains(&flank) {
+            kind.add(flank, gain(&kind.variant, flank));
         }
     }
-    kind.points.extend(further);
-    kind.points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    kind.points.dedup_by(|a, b| a.0 - b.0 < 1e-9);
+}
+
+/// Where a parabola has its top.
+struct Vertex {
+    at: f64,
+    /// By how much it is higher there than at the middle one of its points.
+    promises_nats: f64,
+    /// Its curvature, positive.
+    bend: f64,
+}
+
+/// That of the parabola through three points in order; `None` where it has no top.
+fn vertex([a, b, c]: &[(f64, f64); 3]) -> Option<Vertex> {
+    let slopes = [(b.1 - a.1) / (b.0 - a.0), (c.1 - b.1) / (c.0 - b.0)];
+    let bend = -2.0 * (slopes[1] - slopes[0]) / (c.0 - a.0);
+    // Its slope at the middle point.
+    let slope = slopes[0] - 0.5 * bend * (b.0 - a.0);
+    let found = Vertex { at: b.0 + slope / bend, promises_nats: 0.5 * slope * slope / bend, bend };
+    (bend > 0.0 && found.at.is_finite()).then_some(found)
 }
 
 fn summary(effect: &'static str, kinds: &[Tried]) -> Option<Weighed> {

@@ -5,6 +5,7 @@
 //! equations 4.13 and 4.14), and the standardised innovations.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{exp, ln, sin_cos};
@@ -31,8 +32,8 @@ pub struct Innovation {
     /// Whitened, what was to be expected after those before it taken away: of variance 1 and independent of each
     /// other, the size's first.
     pub white: [f64; 2],
-    /// Logarithms of the scales by which they were whitened.
-    pub ln_scale: [f64; 2],
+    /// The scales by which they were whitened.
+    pub scale: [f64; 2],
     /// Probability that it is of the landmark that it says.
     pub genuine: f64,
 }
@@ -48,6 +49,32 @@ pub struct Filtered {
     pub innovations: Vec<Innovation>,
     /// How often each bin of detection was visited.
     pub visits: Vec<f64>,
+}
+
+/// Who hears what a filter finds, step by step.
+pub trait Hears {
+    /// Whether what was to be expected is asked for; it is 0 else.
+    const EXPECTS: bool;
+
+    /// One sighting.
+    fn sighting(&mut self, innovation: Innovation);
+
+    /// A step, after its sightings; false ends the walk.
+    fn step(&mut self, log_likelihood: f64, expected: f64) -> bool;
+}
+
+impl Hears for Filtered {
+    const EXPECTS: bool = true;
+
+    fn sighting(&mut self, innovation: Innovation) {
+        self.innovations.push(innovation);
+    }
+
+    fn step(&mut self, log_likelihood: f64, expected: f64) -> bool {
+        self.log_likelihoods.push(log_likelihood);
+        self.expected.push(expected);
+        true
+    }
 }
 
 /// Which landmarks' being seen or missed counts, by step and landmark.
@@ -68,36 +95,55 @@ impl Filtered {
 struct Ready<'a> {
     shape: &'a Shape,
     numbers: &'a [f64],
-    size: std::ops::Range<usize>,
-    bearing: std::ops::Range<usize>,
+    size: Range<usize>,
+    bearing: Range<usize>,
+    moved: Vec<[f64; 2]>,
+    width: usize,
+    heading: usize,
     variances: Vec<f64>,
     size_vars: Vec<f64>,
     bearing_vars: Vec<f64>,
-    ln_false: f64,
-    ln_genuine: f64,
+    share_false: f64,
     seen: Vec<f64>,
+    visits: Vec<f64>,
     size_columns: Vec<f64>,
     bearing_columns: Vec<f64>,
     memory: Memory,
 }
 
-/// Walks through steps `of` of a log from a belief, and leaves the belief as it stands afterwards. What is missed
-/// counts where `counted` says so.
-#[must_use]
-pub fn filter(
-    shape: &Shape,
-    numbers: &[f64],
-    memory: Memory,
-    view: &View,
-    of: std::ops::Range<usize>,
-    belief: &mut Belief,
-    counted: &[bool],
-) -> Filtered {
-    let mut ready = Ready::new(shape, numbers, memory);
-    if memory.sways() {
-        ready.walk::<SWAYING>(view, of, belief, counted)
-    } else {
-        ready.walk::<STEADY>(view, of, belief, counted)
+/// A log under a response.
+#[derive(Clone, Copy)]
+pub struct Walk<'a> {
+    /// What the response's numbers mean.
+    pub shape: &'a Shape,
+    /// The response.
+    pub numbers: &'a [f64],
+    /// How noise hangs together.
+    pub memory: Memory,
+    /// The log.
+    pub view: &'a View,
+    /// What is missed counts where this says so.
+    pub counted: &'a [bool],
+}
+
+impl Walk<'_> {
+    /// Walks through some steps from a belief, and leaves the belief as it stands afterwards.
+    #[must_use]
+    pub fn filter(&self, steps: Range<usize>, belief: &mut Belief) -> Filtered {
+        let mut filtered = Filtered::default();
+        filtered.visits = self.tell(&mut filtered, steps, belief);
+        filtered
+    }
+
+    /// The same, told to somebody. Gives how often each bin of detection was visited.
+    pub fn tell(&self, who: &mut impl Hears, steps: Range<usize>, belief: &mut Belief) -> Vec<f64> {
+        let mut ready = Ready::new(self.shape, self.numbers, self.memory);
+        if self.memory.sways() {
+            ready.walk::<SWAYING, _>(self, steps, belief, who);
+        } else {
+            ready.walk::<STEADY, _>(self, steps, belief, who);
+        }
+        ready.visits
     }
 }
 
@@ -109,7 +155,6 @@ pub fn counted(shape: &Shape, numbers: &[f64], view: &View, begin: usize, belief
     let mut counted = vec![false; view.steps.len() * landmarks];
     let mut ready = Ready::new(shape, numbers, Memory::default());
     let mut state = State::<STEADY>::new(belief, &Memory::default());
-    let mut unread = Vec::new();
     for i in begin..view.steps.len() {
         if view.steps[i].dt_s > 0.0 {
             ready.predict(view, i, &mut state);
@@ -119,7 +164,7 @@ pub fn counted(shape: &Shape, numbers: &[f64], view: &View, begin: usize, belief
                 view.misses && view.steps[i].looked && ready.is_clear(view, i, landmark, &state.belief());
         }
         for seen in view.steps[i].seen.clone() {
-            ready.update(view, i, seen, &mut state, &mut unread);
+            ready.update(view, i, seen, &mut state);
         }
     }
     *belief = state.belief();
@@ -131,18 +176,20 @@ impl<'a> Ready<'a> {
         let part = |group| &numbers[shape.range(group)];
         let logistic = |x: f64| 1.0 / (1.0 + exp(-x));
         let squares = |group| part(group).iter().map(|it| exp(2.0 * it)).collect::<Vec<_>>();
-        let false_share = logistic(part(Numbers::False)[0]);
         Self {
             shape,
             numbers,
             size: shape.range(Numbers::Size),
             bearing: shape.range(Numbers::Bearing),
+            moved: (0..shape.landmarks).map(|landmark| shape.moved(numbers, landmark)).collect(),
+            width: shape.columns.len(),
+            heading: shape.columns.range(Group::Heading).start,
             variances: part(Numbers::MotionNoise).iter().map(|it| exp(*it)).collect(),
             size_vars: squares(Numbers::SizeNoise),
             bearing_vars: squares(Numbers::BearingNoise),
-            ln_false: ln(false_share),
-            ln_genuine: ln(1.0 - false_share),
+            share_false: logistic(part(Numbers::False)[0]),
             seen: part(Numbers::Detection).iter().map(|it| logistic(*it)).collect(),
+            visits: vec![0.0; shape.width(Numbers::Detection)],
             size_columns: vec![0.0; shape.width(Numbers::Size)],
             bearing_columns: vec![0.0; shape.width(Numbers::Bearing)],
             memory,
@@ -150,58 +197,55 @@ impl<'a> Ready<'a> {
     }
 
     /// The displacement of one interval, in the robot's frame.
-    fn displacement(&self, view: &View, i: usize, theta_rad: f64) -> [f64; 3] {
-        let row = view.row(i);
-        let width = row.len();
-        let heading = self.shape.columns.range(Group::Heading).start;
-        let (sin, cos) = sin_cos(theta_rad);
-        let dt_s = view.steps[i].dt_s;
-        std::array::from_fn(|axis| {
-            let numbers = &self.numbers[axis * width..(axis + 1) * width];
-            let plain = row.iter().zip(numbers).fold(0.0, |sum, (column, number)| sum + column * number);
+    fn displacement(&self, view: &View, i: usize, (sin, cos): (f64, f64)) -> [f64; 3] {
+        let mut moved = [0.0; 3];
+        for &(column, value) in view.row(i) {
             // The row holds how much, and how fast, the robot moves where the cosines' columns are; the sines' are empty.
-            let turned = [heading, heading + 2]
-                .into_iter()
-                .fold(0.0, |sum, i| sum + row[i] * (numbers[i] * (cos - 1.0) + numbers[i + 1] * sin));
-            dt_s * (plain + turned)
-        })
+            let turns = column == self.heading || column == self.heading + 2;
+            for (axis, moved) in moved.iter_mut().enumerate() {
+                let at = axis * self.width + column;
+                let turned = if turns { self.numbers[at + 1] * sin } else { 0.0 };
+                let share = if turns { cos } else { 1.0 };
+                *moved += value * (self.numbers[at] * share + turned);
+            }
+        }
+        moved.map(|it| view.steps[i].dt_s * it)
     }
 
-    fn walk<const N: usize>(
+    fn walk<const N: usize, H: Hears>(
         &mut self,
-        view: &View,
-        of: std::ops::Range<usize>,
+        Walk { view, counted, .. }: &Walk,
+        steps: Range<usize>,
         belief: &mut Belief,
-        counted: &[bool],
-    ) -> Filtered {
-        let visits = vec![0.0; self.shape.width(Numbers::Detection)];
-        let mut filtered = Filtered { visits, ..Filtered::default() };
+        who: &mut H,
+    ) {
         let mut state = State::<N>::new(belief, &self.memory);
-        for i in of {
+        for i in steps {
             if view.steps[i].dt_s > 0.0 {
                 self.predict(view, i, &mut state);
             }
-            let n = view.landmarks.len();
-            let counted = counted.get(i * n..(i + 1) * n).unwrap_or(UNCOUNTED);
-            let visits = &mut filtered.visits;
-            let (mut log_likelihood, mut expected) = self.detection(view, i, &state.belief(), counted, visits);
+            let (mut log_likelihood, mut expected) = self.detection::<H>(view, i, &state.belief(), counted);
             for seen in view.steps[i].seen.clone() {
-                log_likelihood += self.update(view, i, seen, &mut state, &mut filtered.innovations);
-                // The entropy of a Gaussian: 1 for its two squares, and its scales.
-                let scales = filtered.innovations.last().map_or(0.0, |it| it.ln_scale[0] + it.ln_scale[1]);
-                expected += 1.0 + ln(TAU) + scales - self.ln_genuine;
+                let (likely, innovation) = self.update(view, i, seen, &mut state);
+                log_likelihood += likely;
+                if H::EXPECTS {
+                    // The entropy of a Gaussian: 1 for its two squares, and its scales.
+                    let [size, bearing] = innovation.scale;
+                    expected += 1.0 + ln(TAU * size * bearing / (1.0 - self.share_false));
+                }
+                who.sighting(innovation);
             }
-            filtered.log_likelihoods.push(log_likelihood);
-            filtered.expected.push(expected);
+            if !who.step(log_likelihood, expected) {
+                break;
+            }
         }
         *belief = state.belief();
-        filtered
     }
 
     fn predict<const N: usize>(&self, view: &View, i: usize, state: &mut State<N>) {
         let theta_rad = state.mean[2];
-        let [right, forward, turn] = self.displacement(view, i, theta_rad);
         let (sin, cos) = sin_cos(theta_rad);
+        let [right, forward, turn] = self.displacement(view, i, (sin, cos));
         let rotation = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
         let mut f = SMatrix::<f64, N, N>::identity();
         f[(0, 2)] = -sin * right - cos * forward;
@@ -235,28 +279,25 @@ impl<'a> Ready<'a> {
     }
 
     /// The logarithm of the probability of what was seen and what was missed, and what is expected of minus it.
-    fn detection(
-        &mut self,
-        view: &View,
-        i: usize,
-        belief: &Belief,
-        counted: &[bool],
-        visits: &mut [f64],
-    ) -> (f64, f64) {
+    fn detection<H: Hears>(&mut self, view: &View, i: usize, belief: &Belief, counted: &[bool]) -> (f64, f64) {
+        let n = view.landmarks.len();
+        let counted = counted.get(i * n..(i + 1) * n).unwrap_or(UNCOUNTED);
         let seen = &view.seen[view.steps[i].seen.clone()];
         let (mut log_likelihood, mut expected) = (0.0, 0.0);
         for (landmark, _) in counted.iter().enumerate().filter(|(_, counts)| **counts) {
-            let share = self.share_seen(view, i, landmark, belief, visits).clamp(1e-6, 1.0 - 1e-6);
-            let [missed, found] = [ln(1.0 - share), ln(share)];
-            log_likelihood += if seen.iter().any(|it| it.landmark == landmark) { found } else { missed };
-            expected -= (1.0 - share) * missed + share * found;
+            let share = self.share_seen(view, i, landmark, belief).clamp(1e-6, 1.0 - 1e-6);
+            let found = seen.iter().any(|it| it.landmark == landmark);
+            log_likelihood += ln(if found { share } else { 1.0 - share });
+            if H::EXPECTS {
+                expected -= (1.0 - share) * ln(1.0 - share) + share * ln(share);
+            }
         }
         (log_likelihood, expected)
     }
 
     /// How likely a landmark is to be seen, wherever in the belief the robot is (three points of Gauss and Hermite over
     /// the angle).
-    fn share_seen(&mut self, view: &View, i: usize, landmark: usize, belief: &Belief, visits: &mut [f64]) -> f64 {
+    fn share_seen(&mut self, view: &View, i: usize, landmark: usize, belief: &Belief) -> f64 {
         let sight = self.sight(view, i, landmark, belief);
         let off_rad = self.shape.off_read(&sight, &self.numbers[self.bearing.clone()], &mut self.bearing_columns);
         let [_, off_sd] = self.uncertain(view, landmark, sight.distance_m, belief);
@@ -264,19 +305,19 @@ impl<'a> Ready<'a> {
         for (step, weight) in [(0.0, 2.0 / 3.0), (3.0_f64.sqrt(), 1.0 / 6.0), (-(3.0_f64.sqrt()), 1.0 / 6.0)] {
             for (bin, part) in self.shape.bins(sight.distance_m, off_rad + step * off_sd) {
                 share += weight * part * self.seen[bin];
-                visits[bin] += weight * part;
+                self.visits[bin] += weight * part;
             }
         }
         share
     }
 
     fn sight(&self, view: &View, i: usize, landmark: usize, belief: &Belief) -> Sight {
-        view.sight(i, landmark, belief.mean.into(), self.shape.moved(self.numbers, landmark))
+        view.sight(i, landmark, belief.mean.into(), self.moved[landmark])
     }
 
     /// From the robot to a landmark: world x and y.
     fn towards(&self, view: &View, landmark: usize, belief: &Belief) -> [f64; 2] {
-        let ([x_m, y_m], [moved_x_m, moved_y_m]) = (view.landmarks[landmark], self.shape.moved(self.numbers, landmark));
+        let ([x_m, y_m], [moved_x_m, moved_y_m]) = (view.landmarks[landmark], self.moved[landmark]);
         [x_m + moved_x_m - belief.mean.x, y_m + moved_y_m - belief.mean.y]
     }
 
@@ -302,15 +343,14 @@ impl<'a> Ready<'a> {
             .all(|(far_m, off_rad)| share(far_m, off_rad).is_some_and(|there| (there - here).abs() < 0.15))
     }
 
-    /// Takes one sighting in, and gives its log-likelihood.
+    /// Takes one sighting in, and gives its log-likelihood and what it said.
     fn update<const N: usize>(
         &mut self,
         view: &View,
         i: usize,
         seen: usize,
         state: &mut State<N>,
-        into: &mut Vec<Innovation>,
-    ) -> f64 {
+    ) -> (f64, Innovation) {
         let Seen { landmark, size, bearing_rad } = view.seen[seen];
         let belief = state.belief();
         let sight = self.sight(view, i, landmark, &belief);
@@ -326,28 +366,24 @@ impl<'a> Ready<'a> {
         }
         let white_var = |k: usize| vars[k] * (1.0 - self.memory.sways[k].share);
         let r = Matrix2::from_diagonal(&Vector2::new(white_var(0), white_var(1)));
-        let s = h * state.covariance * h.transpose() + r;
-        let Some(cholesky) = s.cholesky() else {
+        let across = state.covariance * h.transpose();
+        let s = h * across + r;
+        let Some((l, inverse)) = s.cholesky().map(|it| (it.l(), it.inverse())) else {
             let lost = [f64::NAN; 2];
-            into.push(Innovation { step: i, seen, plain: lost, white: lost, ln_scale: [0.0; 2], genuine: 0.0 });
-            return f64::NEG_INFINITY;
+            let innovation = Innovation { step: i, seen, plain: lost, white: lost, scale: [1.0; 2], genuine: 0.0 };
+            return (f64::NEG_INFINITY, innovation);
         };
-        let l = cholesky.l();
-        let spread = self.memory.spread;
-        let now = [plain.x / l[(0, 0)], (plain.y - l[(1, 0)] * plain.x / l[(0, 0)]) / l[(1, 1)]];
-        let white = [now[0] / spread[0], now[1] / spread[1]];
-        let ln_scale = [ln(l[(0, 0)] * spread[0]), ln(l[(1, 1)] * spread[1])];
+        let scale = [l[(0, 0)] * self.memory.spread[0], l[(1, 1)] * self.memory.spread[1]];
+        let first = plain.x / l[(0, 0)];
+        let white = [first / self.memory.spread[0], (plain.y - l[(1, 0)] * first) / scale[1]];
         let squares = white[0] * white[0] + white[1] * white[1];
-        let density = self.ln_genuine - 0.5 * squares - ln(TAU) - ln_scale[0] - ln_scale[1];
+        let of_it = (1.0 - self.share_false) * exp(-0.5 * squares) / (TAU * scale[0] * scale[1]);
         let off_rad = if view.misses { wrap_rad(bearing_rad - view.steps[i].pan_rad) } else { 0.0 };
-        let elsewhere = self.ln_false + self.shape.ln_elsewhere(size, off_rad);
-        let greater = density.max(elsewhere);
-        let log_likelihood = greater + ln(exp(density - greater) + exp(elsewhere - greater));
-        let genuine = exp(density - log_likelihood);
-        into.push(Innovation { step: i, seen, plain: plain.into(), white, ln_scale, genuine });
+        let of_another = self.share_false * self.shape.elsewhere(size, off_rad);
+        let genuine = of_it / (of_it + of_another);
         // A sighting of something else leaves the state as it is, and nobody knows for sure which it was (probabilistic
         // data association, Bar-Shalom and Tse 1975).
-        let gain = state.covariance * h.transpose() * cholesky.inverse();
+        let gain = across * inverse;
         let step = gain * plain;
         state.mean += genuine * step;
         state.mean[2] = wrap_rad(state.mean[2]);
@@ -356,7 +392,7 @@ impl<'a> Ready<'a> {
         let updated = kept * state.covariance * kept.transpose() + gain * r * gain.transpose();
         let apart = (genuine * (1.0 - genuine)) * step * step.transpose();
         state.covariance = genuine * updated + (1.0 - genuine) * state.covariance + apart;
-        log_likelihood
+        (ln(of_it + of_another), Innovation { step: i, seen, plain: plain.into(), white, scale, genuine })
     }
 
     /// Size and bearing to be expected, and their derivatives with respect to the pose.

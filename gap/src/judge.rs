@@ -2,6 +2,7 @@
 
 use crate::directions::Direction;
 use crate::plant::{Planted, Variant};
+use crate::race::{Pace, Runner};
 
 /// A log that tells how likely it is, whatever was in the world. A response is a list of numbers; what they mean is the
 /// judge's own.
@@ -33,9 +34,21 @@ pub trait Judge: Sync {
     /// Circumstances in which a gap may show.
     fn regimes(&self) -> Vec<Regime>;
 
+    /// `log p(o)` by scored step under a response.
+    fn terms(&self, numbers: &[f64]) -> Vec<f64> {
+        self.read(numbers).log_likelihoods
+    }
+
+    /// `log p(o)` under a response, told whether it is worth the while to read on; a rough figure where it is not.
+    fn beside(&self, numbers: &[f64], pace: &Pace) -> f64 {
+        let mut runner = Runner::new(pace);
+        let _ = self.terms(numbers).into_iter().all(|it| runner.goes_on(it));
+        runner.log_likelihood()
+    }
+
     /// `log p(o)` of the log in the nominal world with these effects.
     fn log_likelihood(&self, planted: &[Planted]) -> f64 {
-        self.read(&self.numbers(planted)).total()
+        self.terms(&self.numbers(planted)).into_iter().fold(0.0, |sum, it| sum + it)
     }
 }
 

@@ -28,6 +28,7 @@ pub mod nominal;
 pub mod place;
 pub mod plant;
 pub mod practice;
+pub mod race;
 pub mod regimes;
 pub mod rhythm;
 pub mod rivals;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use asami_math::elementary::{ln, sin, sin_cos};
+use asami_math::elementary::{sin, sin_cos};
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{Attempt, Columns};
@@ -200,10 +200,10 @@ impl Shape {
         [2.0 * off * size[self.curve_width()], of_bearing]
     }
 
-    /// Logarithm of the density of sightings of something else, which may be anywhere in view, as far away as anything;
+    /// The density of sightings of something else, which may be anywhere in view, as far away as anything;
     /// now and then it is anything at all.
     #[must_use]
-    pub fn ln_elsewhere(&self, size: f64, off_rad: f64) -> f64 {
+    pub fn elsewhere(&self, size: f64, off_rad: f64) -> f64 {
         let [least, greatest] = [self.sizes[0] * 0.8, self.sizes[1] * 1.25];
         let anything = 0.5 / ((greatest - least).max(1e-9) * TAU);
         let within = (least..=greatest).contains(&size) && off_rad.abs() <= OFF_REACH * self.off_rad;
@@ -214,7 +214,7 @@ impl Shape {
             1.0 / ((1.0 / least - 1.0 / greatest).max(1e-9) * size * size)
         };
         let in_view = if within { by_size / (2.0 * OFF_REACH * self.off_rad).max(1e-9) } else { 0.0 };
-        ln((1.0 - ANYTHING) * in_view + ANYTHING * anything)
+        (1.0 - ANYTHING) * in_view + ANYTHING * anything
     }
 
     /// The angle off the image's centre at which a landmark is read there, by these numbers of the bearing: whether it is

@@ -2,15 +2,16 @@
 
 use asami_dataset::Log;
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, exp, sin_cos};
+use asami_math::elementary::{atan2, exp, ln, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::directions::{Direction, directions};
-use crate::filter::{Counted, Filtered, UNCOUNTED, counted, filter};
+use crate::filter::{self, Counted, Filtered, Hears, UNCOUNTED, Walk, counted};
 use crate::judge::{Channel, Innovation, Judge, Moment, Reading, Regime, Share};
 use crate::library::{Base, Library};
 use crate::memory::Memory;
 use crate::plant::{Planted, Variant};
+use crate::race::{Pace, Runner};
 use crate::regimes::{channels, regimes};
 use crate::rhythm::Heard;
 use crate::shape::{Numbers, Shape, Sight};
@@ -64,17 +65,18 @@ impl<'a> Sighted<'a> {
     /// The log filtered under a response; steps count from [`Sighted::scored`] on.
     #[must_use]
     pub fn filtered(&self, numbers: &[f64]) -> Filtered {
-        let mut belief = self.start;
-        let shape = &self.library.base.shape;
-        let of = self.begin..self.view.steps.len();
-        let memory = self.library.base.memory;
-        let mut all = filter(shape, numbers, memory, &self.view, of, &mut belief, &self.counted);
-        let scored = self.scored();
-        let settling = self.settling.min(all.log_likelihoods.len());
-        all.log_likelihoods.drain(..settling);
-        all.expected.drain(..settling);
-        all.innovations.retain(|it| it.step >= scored);
-        all
+        let (mut filtered, visits) = self.told(numbers, Filtered::default());
+        filtered.visits = visits;
+        filtered
+    }
+
+    /// Filters the log under a response for somebody. Gives how often each bin of detection was visited, too.
+    fn told<H: Hears>(&self, numbers: &[f64], heard: H) -> (H, Vec<f64>) {
+        let mut scored = Scored { unscored: self.settling, heard };
+        let Base { shape, memory, .. } = &self.library.base;
+        let walk = Walk { shape, numbers, memory: *memory, view: &self.view, counted: &self.counted };
+        let visits = walk.tell(&mut scored, self.begin..self.view.steps.len(), &mut self.start.clone());
+        (scored.heard, visits)
     }
 
     /// The first step that is scored.
@@ -102,7 +104,7 @@ impl Judge for Sighted<'_> {
                 channel,
                 plain: it.plain[channel],
                 white: it.white[channel],
-                ln_scale: it.ln_scale[channel],
+                ln_scale: ln(it.scale[channel]),
                 genuine: it.genuine > 0.5,
             };
             [of(0), of(1)]
@@ -117,6 +119,14 @@ impl Judge for Sighted<'_> {
             log_likelihoods: filtered.log_likelihoods,
             expected: filtered.expected,
         }
+    }
+
+    fn terms(&self, numbers: &[f64]) -> Vec<f64> {
+        self.told(numbers, Terms(Vec::with_capacity(self.moments.len()))).0.0
+    }
+
+    fn beside(&self, numbers: &[f64], pace: &Pace) -> f64 {
+        self.told(numbers, Runner::new(pace)).0.log_likelihood()
     }
 
     fn steps(&self) -> &[Moment] {
@@ -145,13 +155,63 @@ impl Judge for Sighted<'_> {
     }
 }
 
+/// Who hears scored steps alone.
+struct Scored<H> {
+    unscored: usize,
+    heard: H,
+}
+
+impl<H: Hears> Hears for Scored<H> {
+    const EXPECTS: bool = H::EXPECTS;
+
+    fn sighting(&mut self, innovation: filter::Innovation) {
+        if self.unscored == 0 {
+            self.heard.sighting(innovation);
+        }
+    }
+
+    fn step(&mut self, log_likelihood: f64, expected: f64) -> bool {
+        if self.unscored > 0 {
+            self.unscored -= 1;
+            return true;
+        }
+        self.heard.step(log_likelihood, expected)
+    }
+}
+
+/// `log p(o_t | past)` by step, and nothing else.
+struct Terms(Vec<f64>);
+
+impl Hears for Terms {
+    const EXPECTS: bool = false;
+
+    fn sighting(&mut self, _: filter::Innovation) {}
+
+    fn step(&mut self, log_likelihood: f64, _: f64) -> bool {
+        self.0.push(log_likelihood);
+        true
+    }
+}
+
+impl Hears for Runner<'_> {
+    const EXPECTS: bool = false;
+
+    fn sighting(&mut self, _: filter::Innovation) {}
+
+    fn step(&mut self, log_likelihood: f64, _: f64) -> bool {
+        self.goes_on(log_likelihood)
+    }
+}
+
 /// What every sighting of a log is off what a filter expects, in the order of the view.
 fn heard(base: &Base, view: &View) -> Vec<Heard> {
     let Base { shape, rhythm, .. } = base;
     let begin = view.steps.iter().position(|step| !step.seen.is_empty()).unwrap_or(0);
     let mut belief = start(shape, &rhythm.numbers, view, begin);
     let steps = begin..view.steps.len();
-    let filtered = filter(shape, &rhythm.numbers, Memory::default(), view, steps, &mut belief, UNCOUNTED);
+    let numbers = &rhythm.numbers;
+    let filtered =
+        Walk { shape, numbers, memory: Memory::default(), view, counted: UNCOUNTED }.filter(steps, &mut belief);
     let size = &rhythm.numbers[shape.range(Numbers::Size)];
     let noise = [shape.range(Numbers::SizeNoise).start, shape.range(Numbers::BearingNoise).start];
     let sd = |i: usize| {
@@ -181,9 +241,8 @@ fn start(shape: &Shape, numbers: &[f64], view: &View, begin: usize) -> Belief {
     }
     let turn = |i: usize| std::f64::consts::TAU * i as f64 / STARTS as f64;
     let starts = (0..STARTS).map(|i| ring(turn(i), at, distance_m, seen.bearing_rad, false));
-    let likely = |start: &Belief| {
-        filter(shape, numbers, Memory::default(), view, begin..last, &mut start.clone(), UNCOUNTED).total(0)
-    };
+    let walk = Walk { shape, numbers, memory: Memory::default(), view, counted: UNCOUNTED };
+    let likely = |start: &Belief| walk.filter(begin..last, &mut start.clone()).total(0);
     let scored = starts.map(|start| (likely(&start), start));
     let best = scored.reduce(|a, b| if b.0 > a.0 { b } else { a });
     best.map_or_else(|| ring(0.0, at, distance_m, seen.bearing_rad, false), |(_, start)| start)

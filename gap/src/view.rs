@@ -72,9 +72,10 @@ pub struct Step {
 pub struct View {
     /// Frames in order of time.
     pub steps: Vec<Step>,
-    /// Rows of the motion's columns, one after another.
-    rows: Vec<f64>,
-    width: usize,
+    /// Rows of the motion's columns, one after another, each column that is not 0 with its value.
+    rows: Vec<(usize, f64)>,
+    /// Where the row of each step ends.
+    ends: Vec<usize>,
     /// Everything seen, frame by frame.
     pub seen: Vec<Seen>,
     /// Landmarks: world x and y.
@@ -114,8 +115,8 @@ impl View {
         let frames = frames(log);
         let mut view = Self {
             steps: Vec::with_capacity(frames.len()),
-            rows: vec![0.0; frames.len() * columns.len()],
-            width: columns.len(),
+            rows: Vec::new(),
+            ends: Vec::with_capacity(frames.len()),
             seen: Vec::with_capacity(log.sightings.len()),
             landmarks: log.known.landmarks.iter().map(|it| [it.x_m, it.y_m]).collect(),
             ranges: log.sightings.iter().any(|it| matches!(it.size, Size::RangeM(_))),
@@ -123,14 +124,16 @@ impl View {
         };
         let mut held: Vec<(f64, f64)> = Vec::with_capacity(log.sightings.len());
         let mut next = 0;
+        let mut row = vec![0.0; columns.len()];
         for (i, (frame, looked)) in frames.iter().enumerate() {
             let before = i.checked_sub(1).map(|before| &frames[before]);
             let dt_s = before.map_or(0.0, |(before, _)| frame.t_s - before.t_s);
             // How fast the head turned while nobody looked is not known.
             let turned = before.filter(|(_, looked)| *looked);
             let turned = turned.map_or(0.0, |(before, _)| frame.head_pan_rad - before.head_pan_rad);
-            let row = &mut view.rows[i * columns.len()..(i + 1) * columns.len()];
-            let attempt = columns.fill(&log.commands, frame.t_s - dt_s, frame.t_s, &held, row);
+            let attempt = columns.fill(&log.commands, frame.t_s - dt_s, frame.t_s, &held, &mut row);
+            view.rows.extend(row.iter().copied().enumerate().filter(|(_, value)| *value != 0.0));
+            view.ends.push(view.rows.len());
             let start = view.seen.len();
             while let Some(sighting) = log.sightings.get(next).filter(|it| it.t_s <= frame.t_s + 1e-9) {
                 let landmark = log.known.landmarks.iter().position(|it| it.id == sighting.landmark);
@@ -183,10 +186,11 @@ impl View {
         }
     }
 
-    /// The row of the motion's columns of a step.
+    /// The row of the motion's columns of a step: each that is not 0, with its value, in order.
     #[must_use]
-    pub fn row(&self, step: usize) -> &[f64] {
-        &self.rows[step * self.width..(step + 1) * self.width]
+    pub fn row(&self, step: usize) -> &[(usize, f64)] {
+        let start = step.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.rows[start..self.ends[step]]
     }
 }
 

@@ -20,6 +20,7 @@ use clap::Parser;
     version,
     after_help = "Examples:
   generate scenarios/aibo_1d.toml --seed 7 -o results/walk
+  generate scenarios/plain_2d.toml --duration-s 150 -o results/short
   generate scenarios/aibo_1d.toml --seed 7 -o results/slippery --effect ground_friction.ratio=0.4
   generate scenarios/aibo_1d.toml --withhold --salt 1000 --cases 20 -o results/blind
   list effects        every effect with its parameters"
@@ -46,8 +47,8 @@ struct Arguments {
     /// How many withheld cases
     #[arg(long, value_name = "N", requires = "withhold", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     cases: Option<u32>,
-    /// The length of withheld logs [default: the scenario's]
-    #[arg(long, value_name = "S", requires = "withhold", value_parser = duration)]
+    /// The log's length [default: the scenario's]
+    #[arg(long, value_name = "S", value_parser = duration)]
     duration_s: Option<f64>,
 }
 
@@ -59,7 +60,10 @@ fn duration(text: &str) -> Result<f64, String> {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     verb::main(|| {
-        let scenario = scenario::read(&arguments.scenario)?;
+        let mut scenario = scenario::read(&arguments.scenario)?;
+        if let (Origin::Simulated(simulation), Some(duration_s)) = (&mut scenario.origin, arguments.duration_s) {
+            simulation.duration_s = duration_s;
+        }
         match (&arguments.salt, arguments.cases) {
             (Some(salt), Some(cases)) => many(&scenario, salt, cases as usize, &arguments),
             _ => one(&scenario, &arguments),
@@ -85,9 +89,8 @@ fn many(scenario: &Scenario, salt: &str, cases: usize, arguments: &Arguments) ->
     let Origin::Simulated(nominal) = &scenario.origin else {
         miette::bail!("scenario {} is about a recorded log, into which nothing can be planted", scenario.name);
     };
-    let mut nominal = (**nominal).clone();
-    nominal.duration_s = arguments.duration_s.unwrap_or(nominal.duration_s);
-    let planting = Planting { nominal, salt: salt.to_owned(), mix: Mix::default(), places: Vec::new() };
+    let planting =
+        Planting { nominal: (**nominal).clone(), salt: salt.to_owned(), mix: Mix::default(), places: Vec::new() };
     let output = arguments.output.clone();
     let output = output.unwrap_or_else(|| PathBuf::from("results").join(format!("{}-withheld", scenario.name)));
     let heard = |done| {

@@ -171,7 +171,10 @@ impl Run {
         let (sin, cos) = sin_cos(before.theta_rad);
         let (dx, dy) = (after.x_m - before.x_m, after.y_m - before.y_m);
         row.clear();
-        row.extend_from_slice(self.view.row(i));
+        row.resize(columns.len(), 0.0);
+        for &(column, value) in self.view.row(i) {
+            row[column] = value;
+        }
         let heading = columns.range(Group::Heading).start;
         for i in [heading, heading + 2] {
             row[i + 1] = row[i] * sin;

@@ -119,7 +119,7 @@ fn each(shape: &Shape, run: &Run, numbers: &[f64], mut with: impl FnMut(&Left, &
             let squares = (0..2).fold(0.0, |sum, k| sum + (residual[k] / exp(ln_sd[k])).powi(2));
             let of_it = ln(1.0 - false_share) - 0.5 * squares - ln(TAU) - ln_sd[0] - ln_sd[1];
             let off_rad = wrap_rad(seen.bearing_rad - step.pan_rad);
-            let of_something_else = ln(false_share) + shape.ln_elsewhere(seen.size, off_rad);
+            let of_something_else = ln(false_share * shape.elsewhere(seen.size, off_rad));
             let genuine = 1.0 / (1.0 + exp((of_something_else - of_it).min(700.0)));
             with(&Left { step: i, band, residual, genuine }, &row.of);
         }
