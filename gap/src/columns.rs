@@ -13,6 +13,8 @@ use serde::{Deserialize, Serialize};
 
 /// Ages of commands between which what lingers of them is averaged, in seconds.
 const AGES_S: [f64; 9] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7, 1.0];
+/// A change of command is answered within about so long, sooner or later by where in its stride it meets a gait.
+const ANSWERS_S: f64 = 0.7;
 /// Knots of the curve over a velocity that takes any value.
 const KNOTS: usize = 13;
 /// Speeds, in shares of the greatest, between which the answer to a bearing runs straight.
@@ -178,6 +180,18 @@ impl Columns {
             *column = value * middle_s / WEAR_S;
         }
         now
+    }
+
+    /// How much commands change at a filled row: how far, on average over what a gait's answer takes, the velocity was from
+    /// what it is.
+    #[must_use]
+    pub fn changing(&self, row: &[f64]) -> f64 {
+        let lingering = row[self.range(Group::Lingering)].chunks_exact(3);
+        let of = |(ages_s, then): (&[f64], &[f64])| {
+            let width_s = (ages_s[1].min(ANSWERS_S) - ages_s[0]).max(0.0);
+            width_s / ANSWERS_S * then.iter().fold(0.0, |sum, it| sum + it * it).sqrt()
+        };
+        AGES_S.windows(2).zip(lingering).map(of).fold(0.0, |sum, it| sum + it)
     }
 
     /// The mean nominal velocity between two times, in shares of the greatest, and the curve's columns.

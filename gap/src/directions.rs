@@ -3,7 +3,7 @@
 use asami_math::elementary::exp;
 
 use crate::columns::Group;
-use crate::shape::{Numbers, SPEEDS, Shape};
+use crate::shape::{CHANGING, Numbers, Shape};
 
 /// A way in which a response may change: what is added to its numbers for one prior standard deviation.
 pub type Direction = Vec<f64>;
@@ -144,7 +144,7 @@ impl Making<'_> {
             self.push(changes);
         }
         for axis in 0..3 {
-            self.push((0..SPEEDS).map(|class| (motion + 3 * class + axis, 0.6)));
+            self.push((0..=CHANGING).map(|class| (motion + 3 * class + axis, 0.6)));
         }
     }
 }

@@ -13,7 +13,7 @@ use nalgebra::{Matrix2, Matrix3, RowVector3, SMatrix, Vector2, Vector3};
 
 use crate::columns::Group;
 use crate::memory::Memory;
-use crate::shape::{Numbers, Shape, Sight, speed_class};
+use crate::shape::{CHANGING, Numbers, Shape, Sight, speed_class};
 use crate::state::{Belief, STEADY, SWAYING, SWAYS, State};
 use crate::view::{Seen, View};
 
@@ -255,8 +255,9 @@ impl<'a> Ready<'a> {
             state.mean[axis] += moved;
         }
         state.mean[2] = wrap_rad(state.mean[2]);
-        let class = 3 * speed_class(view.steps[i].attempt);
-        let q = Vector3::from_fn(|axis, _| view.steps[i].dt_s * self.variances[class + axis]);
+        let step = &view.steps[i];
+        let [class, changing] = [speed_class(step.attempt), CHANGING].map(|it| &self.variances[3 * it..3 * it + 3]);
+        let q = Vector3::from_fn(|axis, _| step.dt_s * (class[axis] + step.changing * changing[axis]));
         let q = rotation * Matrix3::from_diagonal(&q) * rotation.transpose();
         let gap = view.steps[i].dt_s > GAP * self.memory.frame_s;
         if gap {

@@ -63,6 +63,8 @@ pub(crate) const FIRST_SEED: u64 = 7_000_000_000;
 
 /// In these blocks, one after another.
 const POLISHED_BLOCKS: [&str; 6] = ["noise", "sensor", "timing", "noise", "sensor", "timing"];
+/// In these what effects change.
+const PLAYED_BLOCKS: [&str; 5] = ["noise", "sensor", "static_motion", "timing", "noise"];
 /// Of so many nominal logs the likelihood is made greatest.
 const POLISHED: usize = 16;
 
@@ -195,24 +197,27 @@ impl Base {
         let memory = remembered(&shape, &rhythm, &numbers, runs);
         let mut base = Self { shape, fitted: numbers.clone(), numbers, rhythm, memory };
         base.memory.spread = base.spread(runs);
-        base.numbers = base.polished(runs);
+        base.numbers = base.polished(&base.numbers, runs, &POLISHED_BLOCKS);
         base.memory.spread = [1.0; 2];
         base.memory.spread = base.spread(runs);
         Some(base)
     }
 
-    /// The numbers that make nominal logs most likely in noise, sensor and timing: how a head that follows a landmark answers
-    /// to a sway, and what is left of a rhythm, shows in what a filter expects, and not in runs with their truth.
-    fn polished(&self, runs: &[Dataset]) -> Vec<f64> {
+    /// The numbers near these that make logs most likely, block by block: how a head that follows a landmark answers to a
+    /// sway, and what is left of a rhythm, shows in what a filter expects, and not in runs with their truth.
+    fn polished(&self, numbers: &[f64], runs: &[Dataset], of: &[&'static str]) -> Vec<f64> {
         let alone = Library { base: self.clone(), entries: Vec::new() };
         let judges: Vec<Sighted<'_>> =
             runs.iter().take(POLISHED).filter_map(|run| Sighted::new(&run.log, &alone).ok()).collect();
         let judges: Vec<&dyn Judge> = judges.iter().map(|judge| judge as &dyn Judge).collect();
-        let mut numbers = self.numbers.clone();
-        for block in POLISHED_BLOCKS {
-            numbers = polished(&judges, &numbers, block);
-        }
-        numbers
+        of.iter().fold(numbers.to_vec(), |numbers, block| polished(&judges, &numbers, block))
+    }
+
+    /// A change of the nominal numbers, polished on the logs that show it.
+    fn played(&self, change: &[f64], runs: &[Dataset]) -> Vec<f64> {
+        let plus: Vec<f64> = self.numbers.iter().zip(change).map(|(number, change)| number + change).collect();
+        let polished = self.polished(&plus, runs, &PLAYED_BLOCKS);
+        polished.iter().zip(&self.numbers).map(|(with, without)| with - without).collect()
     }
 
     /// How far the nominal logs' innovations scatter, once sways are taken into account.
@@ -256,7 +261,9 @@ impl Entry {
         let responses =
             changed(&base.shape, (&base.rhythm, &base.fitted), &runs, free, run(variant) == Run::Polynomial);
         let change = |with: Vec<f64>| with.iter().zip(&base.fitted).map(|(with, without)| with - without).collect();
-        Self { kind: variant.name(), sizes, changes: responses.into_iter().map(change).collect(), run: run(variant) }
+        let changes: Vec<Vec<f64>> = responses.into_iter().map(change).collect();
+        let changes = changes.iter().zip(&runs).map(|(change, (_, runs))| base.played(change, runs)).collect();
+        Self { kind: variant.name(), sizes, changes, run: run(variant) }
     }
 
     /// Adds the change at a size to `numbers`. Logarithms of noise and log-odds run in straight lines always.

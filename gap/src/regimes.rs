@@ -2,7 +2,7 @@
 
 use crate::columns::Group;
 use crate::judge::{Channel, Regime};
-use crate::shape::{Numbers, SPEEDS, Shape, speed_class};
+use crate::shape::{CHANGING, Numbers, SPEEDS, Shape, speed_class};
 use crate::view::Step;
 
 /// The channels of such a response.
@@ -26,7 +26,7 @@ pub fn channels(shape: &Shape) -> Vec<Channel> {
         axis("forward", 1),
         axis("sideways", 0),
         axis("turn", 2),
-        Channel { name: "timing", means: lingering, noise: Vec::new() },
+        Channel { name: "timing", means: lingering, noise: (0..3).map(|axis| noise + 3 * CHANGING + axis).collect() },
         Channel {
             name: if shape.ranges { "range_m" } else { "height_px" },
             means: all(Numbers::Size),

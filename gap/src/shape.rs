@@ -9,6 +9,8 @@ use crate::columns::{Attempt, Columns};
 
 /// Classes of attempted speed, each with motion noise of its own: standing, slow, fast.
 pub const SPEEDS: usize = 3;
+/// After those classes comes what is added while commands change, for as much as they do.
+pub const CHANGING: usize = SPEEDS;
 /// Attempts from this share of the greatest on are fast.
 const FAST: f64 = 0.5;
 /// Bands of distance, each with sensor noise of its own.
@@ -65,7 +67,7 @@ pub struct Sight {
 pub enum Numbers {
     /// Displacements in m/s and rad/s for each column: all rightward ones, all forward ones, all turns.
     Motion,
-    /// Logarithms of the displacements' variances in one second: by class of speed, then axis.
+    /// Logarithms of the displacements' variances in one second: by class of speed, then while commands change, then axis.
     MotionNoise,
     /// The size for each of its columns.
     Size,
@@ -102,7 +104,7 @@ impl Shape {
     pub fn width(&self, group: Numbers) -> usize {
         match group {
             Numbers::Motion => 3 * self.columns.len(),
-            Numbers::MotionNoise => 3 * SPEEDS,
+            Numbers::MotionNoise => 3 * (CHANGING + 1),
             Numbers::Size => self.curve_width() + 3,
             Numbers::Bearing => 6,
             // Of a single landmark the place cannot be told from the robot's own.

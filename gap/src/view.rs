@@ -61,6 +61,8 @@ pub struct Step {
     pub pan_rad_per_s: f64,
     /// Velocities attempted meanwhile, in shares of the greatest: right, forward, counter-clockwise.
     pub attempt: [f64; 3],
+    /// How much commands change.
+    pub changing: f64,
     /// Sightings of it.
     pub seen: std::ops::Range<usize>,
     /// Whether there was a frame, so that a miss is one.
@@ -148,6 +150,7 @@ impl View {
                 pan_rad: frame.head_pan_rad,
                 pan_rad_per_s: if dt_s > 0.0 { turned / dt_s } else { 0.0 },
                 attempt,
+                changing: columns.changing(&row),
                 seen: start..view.seen.len(),
                 looked: *looked,
             });

@@ -4,8 +4,9 @@ use asami_math::elementary::{exp, ln};
 
 use super::{Free, Run, dot};
 use crate::columns::{Columns, Group};
-use crate::shape::{Numbers, SPEEDS, Shape, speed_class};
+use crate::shape::{CHANGING, Numbers, SPEEDS, Shape, speed_class};
 use crate::shrink::{Sums, ridged, shrunk, stands_out};
+use crate::view::Step;
 
 /// Motion noise is measured over blocks of so long: from frame to frame a gait sways.
 const BLOCK_S: f64 = 2.0;
@@ -22,7 +23,7 @@ fn free_columns(columns: &Columns, wear: bool) -> Vec<usize> {
 }
 
 /// Normal equations of a run for each axis: of its displacements less what `numbers` explain, on these columns.
-fn sums(shape: &Shape, run: &Run, of: &[usize], numbers: &[f64], weights: &[[f64; 3]; SPEEDS]) -> [Sums; 3] {
+fn sums(shape: &Shape, run: &Run, of: &[usize], numbers: &[f64], variances: Variances) -> [Sums; 3] {
     let columns = &shape.columns;
     let width = columns.len();
     let mut sums: [Sums; 3] = std::array::from_fn(|_| Sums::new(of.len()));
@@ -33,10 +34,10 @@ fn sums(shape: &Shape, run: &Run, of: &[usize], numbers: &[f64], weights: &[[f64
         for (x, column) in x.iter_mut().zip(of) {
             *x = row[*column] * step.dt_s;
         }
-        let weight = weights[speed_class(step.attempt)];
+        let variance = variances(step);
         for (axis, sums) in sums.iter_mut().enumerate() {
             let known = step.dt_s * dot(&row, &numbers[axis * width..(axis + 1) * width]);
-            sums.add(&x, moved[axis] - known, weight[axis] / step.dt_s);
+            sums.add(&x, moved[axis] - known, 1.0 / (variance[axis] * step.dt_s));
         }
     }
     sums
@@ -46,7 +47,7 @@ fn sums(shape: &Shape, run: &Run, of: &[usize], numbers: &[f64], weights: &[[f64
 pub fn nominal(shape: &Shape, runs: &[Run], numbers: &mut [f64]) {
     let of = free_columns(&shape.columns, false);
     let width = shape.columns.len();
-    let all: Vec<[Sums; 3]> = runs.iter().map(|run| sums(shape, run, &of, numbers, &[[1.0; 3]; SPEEDS])).collect();
+    let all: Vec<[Sums; 3]> = runs.iter().map(|run| sums(shape, run, &of, numbers, &|_| [1.0; 3])).collect();
     for axis in 0..3 {
         let runs: Vec<Sums> = all.iter().map(|run| run[axis].clone()).collect();
         for (column, number) in of.iter().zip(ridged(&runs, PRIOR_MOTION[axis])) {
@@ -61,12 +62,12 @@ pub fn changed(shape: &Shape, runs: &[(f64, Vec<Run>)], free: Free, responses: &
     let Some(base) = responses.first().cloned() else { return };
     let of = free_columns(&shape.columns, free.wear);
     let width = shape.columns.len();
-    let weights = weights(shape, &base);
+    let variances = variances(shape, &base);
     // Powers of the size, each with what it counts beside the first: effects are nearly as large as their sizes.
     let powers: &[(i32, f64)] = if runs.len() > 1 { &[(1, 1.0), (2, 0.3), (3, 0.1)] } else { &[(0, 1.0)] };
     let all: Vec<(f64, [Sums; 3])> = runs
         .iter()
-        .flat_map(|(share, runs)| runs.iter().map(|run| (*share, sums(shape, run, &of, &base, &weights))))
+        .flat_map(|(share, runs)| runs.iter().map(|run| (*share, sums(shape, run, &of, &base, &variances))))
         .collect();
     for axis in 0..3 {
         let terms = terms(shape, &base, &of, axis);
@@ -126,65 +127,90 @@ fn terms(shape: &Shape, base: &[f64], of: &[usize], axis: usize) -> Vec<(usize, 
     terms
 }
 
-/// Inverse variances of one second's motion, by class of speed.
-fn weights(shape: &Shape, numbers: &[f64]) -> [[f64; 3]; SPEEDS] {
+/// Variances of a second's motion at a step.
+type Variances<'a> = &'a dyn Fn(&Step) -> [f64; 3];
+
+/// Those that `numbers` say.
+fn variances(shape: &Shape, numbers: &[f64]) -> impl Fn(&Step) -> [f64; 3] {
     let at = shape.range(Numbers::MotionNoise).start;
-    let variance = |class: usize, axis: usize| exp(numbers[at + 3 * class + axis]);
-    let greatest = |axis: usize| (0..SPEEDS).map(|class| variance(class, axis)).fold(0.0, f64::max);
-    std::array::from_fn(|class| {
-        std::array::from_fn(|axis| 1.0 / variance(class, axis).max(LEAST_SHARE * greatest(axis)))
-    })
+    let of: [[f64; 3]; CHANGING + 1] =
+        std::array::from_fn(|class| std::array::from_fn(|axis| exp(numbers[at + 3 * class + axis])));
+    let least: [f64; 3] =
+        std::array::from_fn(|axis| LEAST_SHARE * (0..SPEEDS).map(|class| of[class][axis]).fold(0.0, f64::max));
+    move |step| {
+        let class = of[speed_class(step.attempt)];
+        std::array::from_fn(|axis| class[axis].max(least[axis]) + step.changing * of[CHANGING][axis])
+    }
 }
 
 /// Variances in one second, from what is left of the displacements in blocks. Of those that `numbers` say already, `known`
 /// ones, only what stands out of chance is changed.
 pub fn noise(shape: &Shape, runs: &[Run], known: bool, numbers: &mut [f64]) {
-    let (squares, times_s) = left(shape, runs, numbers);
+    let blocks: Vec<Left> = runs.iter().flat_map(|run| left(shape, run, numbers)).collect();
     let at = shape.range(Numbers::MotionNoise).start;
-    let all_s: f64 = times_s.iter().sum();
-    for class in 0..SPEEDS {
-        for axis in 0..3 {
-            let all: f64 = squares.iter().map(|it| it[axis]).sum();
+    let (steady, changing): (Vec<&Left>, Vec<&Left>) = blocks.iter().partition(|it| it.changed_s < STEADY * it.time_s);
+    let time_s = |of: &[&Left]| of.iter().map(|it| it.time_s).sum::<f64>();
+    let square = |of: &[&Left], axis: usize| of.iter().map(|it| it.sum[axis] * it.sum[axis]).sum::<f64>();
+    for axis in 0..3 {
+        let mut set = |class: usize, found: f64, found_var: f64| {
+            let (number, found) = (&mut numbers[at + 3 * class + axis], ln(found.max(1e-10)));
+            *number = if known { moved(*number, found, found_var) } else { found };
+        };
+        let all_s = time_s(&steady);
+        let mean = if all_s > 0.0 { square(&steady, axis) / all_s } else { 1e-6 };
+        let mut of_class = [mean; SPEEDS];
+        for (class, variance) in of_class.iter_mut().enumerate() {
+            let of: Vec<&Left> = steady.iter().copied().filter(|it| it.class == class).collect();
             // A class that hardly occurs takes after the others.
             let few = 3.0 * BLOCK_S;
-            let mean = if all_s > 0.0 { all / all_s } else { 1e-6 };
-            let variance = (squares[class][axis] + few * mean) / (times_s[class] + few);
-            let (number, found) = (&mut numbers[at + 3 * class + axis], ln(variance.max(1e-10)));
+            *variance = (square(&of, axis) + few * mean) / (time_s(&of) + few);
             // The logarithm of a variance from n blocks has variance 2 / n.
-            let found_var = 2.0 * BLOCK_S / (times_s[class] + few);
-            *number = if known { moved(*number, found, found_var) } else { found };
+            set(class, *variance, 2.0 * BLOCK_S / (time_s(&of) + few));
         }
+        let [all, plain] = [square(&changing, axis), changing.iter().map(|it| of_class[it.class] * it.time_s).sum()];
+        let changed_s = changing.iter().map(|it| it.changed_s).sum::<f64>().max(1e-3);
+        let more = (all - plain).max(0.01 * plain).max(1e-9);
+        let n = (changing.len() as f64).max(1.0);
+        set(CHANGING, more / changed_s, 2.0 / n * (all / more) * (all / more));
     }
 }
 
-/// Sums of squares, and seconds, of what is left of the displacements in blocks, by class of speed.
-fn left(shape: &Shape, runs: &[Run], numbers: &[f64]) -> ([[f64; 3]; SPEEDS], [f64; SPEEDS]) {
+/// Commands change less than this, on average, in a block that is called steady.
+const STEADY: f64 = 0.02;
+
+/// What is left of the displacements in a block.
+struct Left {
+    sum: [f64; 3],
+    time_s: f64,
+    /// Integral of how much commands change.
+    changed_s: f64,
+    class: usize,
+}
+
+/// Of a run, block by block, each of one class of speed.
+fn left(shape: &Shape, run: &Run, numbers: &[f64]) -> Vec<Left> {
     let columns = &shape.columns;
     let width = columns.len();
-    let (mut squares, mut times_s) = ([[0.0; 3]; SPEEDS], [0.0; SPEEDS]);
     let mut row = Vec::with_capacity(width);
-    for run in runs {
-        let (mut sum, mut time_s, mut class) = ([0.0; 3], 0.0, 0);
-        for i in 0..run.view.steps.len() {
-            let Some(moved) = run.moved(i, columns, &mut row) else { continue };
-            let step = &run.view.steps[i];
-            if speed_class(step.attempt) != class {
-                (sum, time_s, class) = ([0.0; 3], 0.0, speed_class(step.attempt));
-            }
-            for axis in 0..3 {
-                sum[axis] += moved[axis] - step.dt_s * dot(&row, &numbers[axis * width..(axis + 1) * width]);
-            }
-            time_s += step.dt_s;
-            if time_s >= BLOCK_S {
-                for axis in 0..3 {
-                    squares[class][axis] += sum[axis] * sum[axis];
-                }
-                times_s[class] += time_s;
-                (sum, time_s) = ([0.0; 3], 0.0);
-            }
+    let mut blocks: Vec<Left> = Vec::new();
+    let mut open = Left { sum: [0.0; 3], time_s: 0.0, changed_s: 0.0, class: 0 };
+    for i in 0..run.view.steps.len() {
+        let Some(moved) = run.moved(i, columns, &mut row) else { continue };
+        let step = &run.view.steps[i];
+        let class = speed_class(step.attempt);
+        if class != open.class {
+            open = Left { sum: [0.0; 3], time_s: 0.0, changed_s: 0.0, class };
+        }
+        for axis in 0..3 {
+            open.sum[axis] += moved[axis] - step.dt_s * dot(&row, &numbers[axis * width..(axis + 1) * width]);
+        }
+        open.time_s += step.dt_s;
+        open.changed_s += step.dt_s * step.changing;
+        if open.time_s >= BLOCK_S {
+            blocks.push(std::mem::replace(&mut open, Left { sum: [0.0; 3], time_s: 0.0, changed_s: 0.0, class }));
         }
     }
-    (squares, times_s)
+    blocks
 }
 
 /// Where a number moves that was found anew with some variance: as far as that stands out of chance.
