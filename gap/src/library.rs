@@ -215,7 +215,11 @@ impl Base {
 
     /// A change of the nominal numbers, polished on the logs that show it.
     fn played(&self, change: &[f64], runs: &[Dataset]) -> Vec<f64> {
-        let plus: Vec<f64> = self.numbers.iter().zip(change).map(|(number, change)| number + change).collect();
+        let mut plus: Vec<f64> = self.numbers.iter().zip(change).map(|(number, change)| number + change).collect();
+        for noise in [Numbers::MotionNoise, Numbers::SizeNoise, Numbers::BearingNoise] {
+            let of = self.shape.range(noise);
+            plus[of.clone()].copy_from_slice(&self.numbers[of]);
+        }
         let polished = self.polished(&plus, runs, &PLAYED_BLOCKS);
         polished.iter().zip(&self.numbers).map(|(with, without)| with - without).collect()
     }
