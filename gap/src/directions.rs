@@ -79,7 +79,7 @@ impl Making<'_> {
         }
     }
 
-    /// What lingers of each axis's own command, by age; and sensing that is late.
+    /// What lingers of each axis's own command, by age; how strongly a heading is held; and sensing that is late.
     fn timing(&mut self) {
         let ages = self.shape.columns.width(Group::Lingering) / 3;
         for age in 0..ages {
@@ -87,6 +87,10 @@ impl Making<'_> {
                 .map(|axis| (self.motion(axis, Group::Lingering).start + 3 * age + axis, 0.3 * self.greatest(axis)))
                 .collect();
             self.push(changes);
+        }
+        for axis in 0..3 {
+            let held: Vec<_> = self.motion(axis, Group::Held).map(|i| (i, 0.3 * self.numbers[i])).collect();
+            self.push(held);
         }
         let bearing = self.shape.range(Numbers::Bearing).start;
         self.push([(bearing + 3, 0.05)]);

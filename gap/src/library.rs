@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::blocks::polished;
+use crate::columns::Group;
 use crate::drive::Drives;
 use crate::fit::{self, Free, changed, remembered};
 use crate::judge::Judge;
@@ -213,11 +214,20 @@ impl Base {
         of.iter().fold(numbers.to_vec(), |numbers, block| polished(&judges, &numbers, block))
     }
 
-    /// A change of the nominal numbers, polished on the logs that show it.
-    fn played(&self, change: &[f64], runs: &[Dataset]) -> Vec<f64> {
-        let mut plus: Vec<f64> = self.numbers.iter().zip(change).map(|(number, change)| number + change).collect();
-        for noise in [Numbers::MotionNoise, Numbers::SizeNoise, Numbers::BearingNoise] {
-            let of = self.shape.range(noise);
+    /// What an effect changes, of which runs with their truth gave `change`: made most likely on the same logs where sightings
+    /// sway. A fit to the truth then takes for the effect's what the filter, which must tell a sway from a turn and from noise,
+    /// does not make of it, and costs true causes tens of nats: it is only trusted with curves, wear and shares.
+    fn played(&self, change: Vec<f64>, runs: &[Dataset]) -> Vec<f64> {
+        if !self.memory.sways() {
+            return change;
+        }
+        let columns = &self.shape.columns;
+        let of_sway = [Group::Lingering, Group::Held].map(|group| columns.range(group));
+        let moved = (0..3)
+            .flat_map(|axis| of_sway.clone().map(|of| axis * columns.len() + of.start..axis * columns.len() + of.end));
+        let sensed = [Numbers::MotionNoise, Numbers::Size, Numbers::Bearing, Numbers::SizeNoise, Numbers::BearingNoise];
+        let mut plus: Vec<f64> = self.numbers.iter().zip(&change).map(|(number, change)| number + change).collect();
+        for of in moved.chain(sensed.map(|group| self.shape.range(group))) {
             plus[of.clone()].copy_from_slice(&self.numbers[of]);
         }
         let polished = self.polished(&plus, runs, &PLAYED_BLOCKS);
@@ -265,8 +275,8 @@ impl Entry {
         let responses =
             changed(&base.shape, (&base.rhythm, &base.fitted), &runs, free, run(variant) == Run::Polynomial);
         let change = |with: Vec<f64>| with.iter().zip(&base.fitted).map(|(with, without)| with - without).collect();
-        let changes: Vec<Vec<f64>> = responses.into_iter().map(change).collect();
-        let changes = changes.iter().zip(&runs).map(|(change, (_, runs))| base.played(change, runs)).collect();
+        let changes =
+            responses.into_iter().map(change).zip(&runs).map(|(it, (_, runs))| base.played(it, runs)).collect();
         Self { kind: variant.name(), sizes, changes, run: run(variant) }
     }
 
