@@ -12,6 +12,7 @@ use asami_math::elementary::{exp, ln, sin_cos};
 use nalgebra::{Matrix2, Matrix3, RowVector3, SMatrix, Vector2, Vector3};
 
 use crate::columns::Group;
+use crate::hears::{Filtered, Hears, Innovation};
 use crate::memory::Memory;
 use crate::shape::{CHANGING, Numbers, Shape, Sight, speed_class};
 use crate::state::{Belief, STEADY, SWAYING, SWAYS, State};
@@ -20,76 +21,11 @@ use crate::view::{Seen, View};
 /// A sway is not followed over a gap of so many frames.
 const GAP: f64 = 2.5;
 
-/// What one sighting said.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Innovation {
-    /// Which step.
-    pub step: usize,
-    /// Which sighting.
-    pub seen: usize,
-    /// Size less its prediction, in pixels or metres; bearing less its prediction, in radians.
-    pub plain: [f64; 2],
-    /// Whitened, what was to be expected after those before it taken away: of variance 1 and independent of each
-    /// other, the size's first.
-    pub white: [f64; 2],
-    /// The scales by which they were whitened.
-    pub scale: [f64; 2],
-    /// Probability that it is of the landmark that it says.
-    pub genuine: f64,
-}
-
-/// A filtered log.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Filtered {
-    /// `log p(o_t | past)` by step.
-    pub log_likelihoods: Vec<f64>,
-    /// What the response itself expects of `-log p(o_t | past)`, by step (misfit's `h_t`).
-    pub expected: Vec<f64>,
-    /// Of all sightings, in order.
-    pub innovations: Vec<Innovation>,
-    /// How often each bin of detection was visited.
-    pub visits: Vec<f64>,
-}
-
-/// Who hears what a filter finds, step by step.
-pub trait Hears {
-    /// Whether what was to be expected is asked for; it is 0 else.
-    const EXPECTS: bool;
-
-    /// One sighting.
-    fn sighting(&mut self, innovation: Innovation);
-
-    /// A step, after its sightings; false ends the walk.
-    fn step(&mut self, log_likelihood: f64, expected: f64) -> bool;
-}
-
-impl Hears for Filtered {
-    const EXPECTS: bool = true;
-
-    fn sighting(&mut self, innovation: Innovation) {
-        self.innovations.push(innovation);
-    }
-
-    fn step(&mut self, log_likelihood: f64, expected: f64) -> bool {
-        self.log_likelihoods.push(log_likelihood);
-        self.expected.push(expected);
-        true
-    }
-}
-
 /// Which landmarks' being seen or missed counts, by step and landmark.
 pub type Counted = Vec<bool>;
 
 /// Where nobody counts what is missed.
 pub const UNCOUNTED: &[bool] = &[];
-
-impl Filtered {
-    /// Sum over the steps from `first` on.
-    #[must_use]
-    pub fn total(&self, first: usize) -> f64 {
-        self.log_likelihoods.iter().skip(first).fold(0.0, |sum, it| sum + it)
-    }
-}
 
 /// A response's numbers, ready to be used step by step.
 struct Ready<'a> {

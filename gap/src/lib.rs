@@ -20,6 +20,7 @@ pub mod filter;
 pub mod findings;
 pub mod fit;
 pub mod groups;
+pub mod hears;
 pub mod how_far;
 pub mod judge;
 pub mod library;

@@ -6,7 +6,8 @@ use asami_math::elementary::{atan2, exp, ln, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::directions::{Direction, directions};
-use crate::filter::{self, Counted, Filtered, Hears, UNCOUNTED, Walk, counted};
+use crate::filter::{Counted, UNCOUNTED, Walk, counted};
+use crate::hears::{Filtered, Hears, Scored, Terms};
 use crate::judge::{Channel, Innovation, Judge, Moment, Reading, Regime, Share};
 use crate::library::{Base, Library};
 use crate::memory::Memory;
@@ -152,54 +153,6 @@ impl Judge for Sighted<'_> {
 
     fn regimes(&self) -> Vec<Regime> {
         regimes(&self.view.steps[self.scored()..])
-    }
-}
-
-/// Who hears scored steps alone.
-struct Scored<H> {
-    unscored: usize,
-    heard: H,
-}
-
-impl<H: Hears> Hears for Scored<H> {
-    const EXPECTS: bool = H::EXPECTS;
-
-    fn sighting(&mut self, innovation: filter::Innovation) {
-        if self.unscored == 0 {
-            self.heard.sighting(innovation);
-        }
-    }
-
-    fn step(&mut self, log_likelihood: f64, expected: f64) -> bool {
-        if self.unscored > 0 {
-            self.unscored -= 1;
-            return true;
-        }
-        self.heard.step(log_likelihood, expected)
-    }
-}
-
-/// `log p(o_t | past)` by step, and nothing else.
-struct Terms(Vec<f64>);
-
-impl Hears for Terms {
-    const EXPECTS: bool = false;
-
-    fn sighting(&mut self, _: filter::Innovation) {}
-
-    fn step(&mut self, log_likelihood: f64, _: f64) -> bool {
-        self.0.push(log_likelihood);
-        true
-    }
-}
-
-impl Hears for Runner<'_> {
-    const EXPECTS: bool = false;
-
-    fn sighting(&mut self, _: filter::Innovation) {}
-
-    fn step(&mut self, log_likelihood: f64, _: f64) -> bool {
-        self.goes_on(log_likelihood)
     }
 }
 

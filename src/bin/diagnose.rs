@@ -18,7 +18,7 @@ use clap::Parser;
 #[command(
     version,
     after_help = "Examples:
-  generate scenarios/plain_2d.toml --seed 1000 --effect command_delay.delay_s=0.2 -o results/late
+  generate scenarios/plain_2d.toml --seed 1000 --duration-s 150 --effect command_delay.delay_s=0.1 -o results/late
   diagnose results/late
   diagnose results/late --without command_delay
   sweep results/diagnosis/late/with_effect.toml
@@ -41,16 +41,14 @@ struct Arguments {
     /// Plants N cases in the nominal world [default: 30], and says how often effects are named and their sizes covered
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "30")]
     self_test: Option<u16>,
-    /// Calibrates probabilities on at least so many planted cases, which are made once and kept;
-    /// 0: none, and probabilities are too bold
-    #[arg(long, value_name = "N", default_value_t = CASES)]
-    calibrate: usize,
+    /// Calibrates probabilities on at least so many planted cases, which are made once and kept; 0: none, and
+    /// probabilities are too bold [default: 300, of a robot in Rapier 100]
+    #[arg(long, value_name = "N")]
+    calibrate: Option<usize>,
     /// Where what was played is kept
     #[arg(long, value_name = "DIR", default_value = "results/library")]
     libraries: PathBuf,
 }
-
-const CASES: usize = 300;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();

@@ -34,7 +34,11 @@ use repaired::CannotRepair;
 use shelf::{CannotShelve, Shelf, Shelved, less};
 
 /// Fewer cases, those with their effect taken out of the list among them, make probabilities flatter than they need be.
-const LEAST_CASES: usize = 200;
+const LEAST_CASES: usize = 150;
+/// Planted cases that probabilities are calibrated on.
+const CASES: usize = 300;
+/// Of a robot in Rapier, where each takes seconds.
+const CASES_IN_RAPIER: usize = 100;
 
 /// What is asked of a diagnosis.
 #[derive(Clone, Debug, Default)]
@@ -47,8 +51,8 @@ pub struct Asked {
     pub libraries: PathBuf,
     /// How much is played for one, where not what suits the robot.
     pub budget: Option<Budget>,
-    /// Planted cases that must be there to calibrate on.
-    pub calibrate: usize,
+    /// Planted cases that must be there to calibrate on, where not what suits the robot.
+    pub calibrate: Option<usize>,
 }
 
 /// There is no diagnosis.
@@ -123,7 +127,9 @@ impl Ready {
         let budget = asked.budget.unwrap_or_else(|| Budget::of(held.simulation.robot.name()));
         let shelf = Shelf { folder: asked.libraries.clone(), budget, listener };
         let shelved = shelf.library(&held.name, &held.simulation, &variants)?;
-        let cases = shelved.cases(&held.simulation, length_s(log), asked.calibrate, listener)?;
+        let suits = if held.simulation.robot.name() == "plain" { CASES } else { CASES_IN_RAPIER };
+        let cases = asked.calibrate.unwrap_or(suits);
+        let cases = shelved.cases(&held.simulation, length_s(log), cases, listener)?;
         let cases = less(&cases, &asked.without);
         let calibration = if cases.len() < LEAST_CASES {
             listener.says(
