@@ -77,7 +77,7 @@ fn landmarks(file: &Path) -> Result<Vec<Beacon>, ImportError> {
         let id = columns::whole(file, line, "landmark", required(file, line, "landmark", id)?)?;
         if landmarks.last().is_some_and(|last| last.id >= id) {
             let (rule, found) = ("must increase", id.to_string());
-            return Err(ImportError::Value { file: file.to_owned(), line, column: "landmark", rule, found });
+            return Err(ImportError::Value { file: file.to_owned(), line, column: "landmark".to_owned(), rule, found });
         }
         let (x_m, y_m) = (required(file, line, "x_m", x)?, required(file, line, "y_m", y)?);
         landmarks.push(Beacon { id, x_m, y_m, height_m: None });
@@ -126,7 +126,8 @@ fn sightings(file: &Path, landmarks: &[Beacon], frames: &[Frame]) -> Result<(Vec
     let (mut sightings, mut times) = (Vec::new(), Vec::new());
     for (line, values) in columns::read(file, SIGHTINGS)? {
         let must = |column: usize| required(file, line, SIGHTINGS[column], values[column]);
-        let refused = |column, rule, found: f64| {
+        let refused = |column: &str, rule, found: f64| {
+            let column = column.to_owned();
             Err(ImportError::Value { file: file.to_owned(), line, column, rule, found: found.to_string() })
         };
         let t_s = must(0)?;

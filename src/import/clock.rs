@@ -19,14 +19,20 @@ pub struct Timing {
 ///
 /// # Errors
 /// [`ImportError`] for the first time that does not increase, or for fewer than two.
-pub fn timing(file: &Path, column: &'static str, times: &[(u64, f64)]) -> Result<Timing, ImportError> {
+pub fn timing(file: &Path, column: &str, times: &[(u64, f64)]) -> Result<Timing, ImportError> {
     if times.len() < 2 {
         return Err(ImportError::TooShort { file: file.to_owned(), needed: 2, found: times.len() });
     }
     if let Some(pair) = times.windows(2).find(|pair| pair[1].1 <= pair[0].1) {
         let ((_, before_s), (line, t_s)) = (pair[0], pair[1]);
         let found = format!("{t_s} after {before_s}");
-        return Err(ImportError::Value { file: file.to_owned(), line, column, rule: "must increase", found });
+        return Err(ImportError::Value {
+            file: file.to_owned(),
+            line,
+            column: column.to_owned(),
+            rule: "must increase",
+            found,
+        });
     }
     let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1].1 - pair[0].1).collect();
     let gaps = |median: f64| {
@@ -42,11 +48,11 @@ pub fn timing(file: &Path, column: &'static str, times: &[(u64, f64)]) -> Result
 ///
 /// # Errors
 /// [`ImportError`] for the first time that goes back.
-pub fn forward(file: &Path, column: &'static str, times: &[(u64, f64)]) -> Result<(), ImportError> {
+pub fn forward(file: &Path, column: &str, times: &[(u64, f64)]) -> Result<(), ImportError> {
     let Some(pair) = times.windows(2).find(|pair| pair[1].1 < pair[0].1) else { return Ok(()) };
     let ((_, before_s), (line, t_s)) = (pair[0], pair[1]);
     let found = format!("{t_s} after {before_s}");
-    Err(ImportError::Value { file: file.to_owned(), line, column, rule: "must not decrease", found })
+    Err(ImportError::Value { file: file.to_owned(), line, column: column.to_owned(), rule: "must not decrease", found })
 }
 
 impl Timing {

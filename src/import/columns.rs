@@ -46,8 +46,8 @@ pub fn of_folder(folder: &Path, name: &str, hint: &'static str) -> Result<PathBu
 ///
 /// # Errors
 /// [`ImportError`] where the field is empty.
-pub fn required(file: &Path, line: u64, column: &'static str, value: Option<f64>) -> Result<f64, ImportError> {
-    let file = file.to_owned();
+pub fn required(file: &Path, line: u64, column: &str, value: Option<f64>) -> Result<f64, ImportError> {
+    let (file, column) = (file.to_owned(), column.to_owned());
     value.ok_or(ImportError::Value { file, line, column, rule: "must be a finite number", found: "empty".to_owned() })
 }
 
@@ -55,19 +55,19 @@ pub fn required(file: &Path, line: u64, column: &'static str, value: Option<f64>
 ///
 /// # Errors
 /// [`ImportError`] where it is not a whole number that fits.
-pub fn whole(file: &Path, line: u64, column: &'static str, value: f64) -> Result<u16, ImportError> {
+pub fn whole(file: &Path, line: u64, column: &str, value: f64) -> Result<u16, ImportError> {
     if value.fract() == 0.0 && (0.0..=f64::from(u16::MAX)).contains(&value) {
         return Ok(value as u16);
     }
     let rule = "must be a whole number in 0..=65535";
-    Err(ImportError::Value { file: file.to_owned(), line, column, rule, found: value.to_string() })
+    Err(ImportError::Value { file: file.to_owned(), line, column: column.to_owned(), rule, found: value.to_string() })
 }
 
 /// The columns `names` of `path`, whatever others there are; gunzipped if its name ends in `.gz`.
 ///
 /// # Errors
 /// [`ImportError`] where the file cannot be read, lacks a column, or a value is not a finite number.
-pub fn read<const N: usize>(path: &Path, names: [&'static str; N]) -> Result<Vec<Row<N>>, ImportError> {
+pub fn read<const N: usize>(path: &Path, names: [&str; N]) -> Result<Vec<Row<N>>, ImportError> {
     let unreadable = |why: String| ImportError::Unreadable { file: path.to_owned(), why };
     let mut csv = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(open(path)?);
     let header = csv.headers().map_err(|e| unreadable(e.to_string()))?.clone();
@@ -75,7 +75,7 @@ pub fn read<const N: usize>(path: &Path, names: [&'static str; N]) -> Result<Vec
     for (place, name) in places.iter_mut().zip(names) {
         *place = header.iter().position(|found| found == name).ok_or_else(|| ImportError::MissingColumn {
             file: path.to_owned(),
-            name,
+            name: name.to_owned(),
             found: header.iter().take(20).collect::<Vec<_>>().join(","),
         })?;
     }
@@ -88,7 +88,7 @@ pub fn read<const N: usize>(path: &Path, names: [&'static str; N]) -> Result<Vec
             *value = number(record.get(place).unwrap_or_default()).map_err(|found| ImportError::Value {
                 file: path.to_owned(),
                 line,
-                column,
+                column: column.to_owned(),
                 rule: "must be a finite number or empty",
                 found,
             })?;

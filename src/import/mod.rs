@@ -13,6 +13,7 @@ pub mod clock;
 pub mod columns;
 pub mod hdl64e;
 pub mod kitti;
+pub mod mapped;
 pub mod mrclam;
 pub mod track;
 pub mod units;
@@ -77,6 +78,7 @@ pub fn catalogue() -> Vec<&'static Importer> {
         &kitti::IMPORTER,
         &av21::IMPORTER,
         &hdl64e::IMPORTER,
+        &mapped::IMPORTER,
     ]
 }
 
@@ -114,9 +116,17 @@ pub enum ImportError {
         /// The file.
         file: PathBuf,
         /// Which.
-        name: &'static str,
+        name: String,
         /// The header.
         found: String,
+    },
+    /// A table that says what is where, and is wrong.
+    #[error("{}: {why}", file.display())]
+    Table {
+        /// The file.
+        file: PathBuf,
+        /// Where in it, and what.
+        why: String,
     },
     /// A value that breaks a rule.
     #[error("{}:{line}: {column} {rule}, not {found}", file.display())]
@@ -126,7 +136,7 @@ pub enum ImportError {
         /// Its line, from 1.
         line: u64,
         /// The column.
-        column: &'static str,
+        column: String,
         /// What it must be.
         rule: &'static str,
         /// What it is.

@@ -103,7 +103,7 @@ fn landmarks(file: &Path) -> Result<Vec<Beacon>, ImportError> {
             return Err(ImportError::Value {
                 file: file.to_owned(),
                 line,
-                column: "subject",
+                column: "subject".to_owned(),
                 rule,
                 found: id.to_string(),
             });
@@ -119,7 +119,8 @@ fn subjects(file: &Path, landmarks: &[Beacon]) -> Result<BTreeMap<u16, u16>, Imp
     for (line, [subject, barcode]) in words::read(file, ["subject", "barcode"])? {
         let subject = columns::whole(file, line, "subject", subject)?;
         let barcode = columns::whole(file, line, "barcode", barcode)?;
-        let refused = |column, rule, found: u16| {
+        let refused = |column: &str, rule, found: u16| {
+            let column = column.to_owned();
             Err(ImportError::Value { file: file.to_owned(), line, column, rule, found: found.to_string() })
         };
         if !ROBOTS.contains(&subject) && !landmarks.iter().any(|landmark| landmark.id == subject) {

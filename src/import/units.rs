@@ -1,4 +1,4 @@
-//! What a column in the wrong unit looks like.
+//! Units of columns, and what one in the wrong unit looks like.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -7,28 +7,78 @@ use asami_math::angle::wrap_rad;
 
 use super::ImportError;
 
+/// What a column measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// A time.
+    Time,
+    /// A length.
+    Length,
+    /// An angle.
+    Angle,
+    /// A speed.
+    Speed,
+    /// A turning rate.
+    Turning,
+    /// A number.
+    None,
+}
+
+impl Dimension {
+    /// Names of its units, and what one of each is in SI units.
+    const fn known(self) -> &'static [(&'static str, f64)] {
+        const DEGREE_RAD: f64 = TAU / 360.0;
+        match self {
+            Self::Time => &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],
+            Self::Length => &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3)],
+            Self::Angle => &[("rad", 1.0), ("deg", DEGREE_RAD)],
+            Self::Speed => &[("m/s", 1.0), ("cm/s", 1e-2), ("mm/s", 1e-3), ("km/h", 1.0 / 3.6)],
+            Self::Turning => &[("rad/s", 1.0), ("deg/s", DEGREE_RAD)],
+            Self::None => &[("1", 1.0)],
+        }
+    }
+
+    /// One of a unit in SI units; `None` if it is of another dimension.
+    #[must_use]
+    pub fn in_si(self, unit: &str) -> Option<f64> {
+        self.known().iter().find(|(name, _)| *name == unit).map(|(_, si)| *si)
+    }
+
+    /// Names of its units.
+    #[must_use]
+    pub fn units(self) -> Vec<&'static str> {
+        self.known().iter().map(|(name, _)| *name).collect()
+    }
+}
+
 /// An angle, wrapped to `[-pi, pi)`: more than a turn is no angle in radians.
 ///
 /// # Errors
 /// [`ImportError`], asking for degrees, where it is more.
-pub fn radians(file: &Path, line: u64, column: &'static str, angle_rad: f64) -> Result<f64, ImportError> {
+pub fn radians(file: &Path, line: u64, column: &str, angle_rad: f64) -> Result<f64, ImportError> {
     if angle_rad.abs() <= TAU {
         return Ok(wrap_rad(angle_rad));
     }
     let rule = "must be an angle of at most a turn, 2 pi rad (is the column in degrees?)";
-    Err(ImportError::Value { file: file.to_owned(), line, column, rule, found: angle_rad.to_string() })
+    Err(ImportError::Value {
+        file: file.to_owned(),
+        line,
+        column: column.to_owned(),
+        rule,
+        found: angle_rad.to_string(),
+    })
 }
 
 /// A range, which must be greater than 0.
 ///
 /// # Errors
 /// [`ImportError`] where it is not.
-pub fn range(file: &Path, line: u64, column: &'static str, range_m: f64) -> Result<f64, ImportError> {
+pub fn range(file: &Path, line: u64, column: &str, range_m: f64) -> Result<f64, ImportError> {
     if range_m > 0.0 {
         return Ok(range_m);
     }
     let (rule, found) = ("must be greater than 0", format!("{range_m:?}"));
-    Err(ImportError::Value { file: file.to_owned(), line, column, rule, found })
+    Err(ImportError::Value { file: file.to_owned(), line, column: column.to_owned(), rule, found })
 }
 
 /// A sentence, where half of the numbers of a column called `what` exceed `most`, what a wheeled robot indoors has:

@@ -10,7 +10,7 @@ use super::columns::{number, open};
 ///
 /// # Errors
 /// [`ImportError`] where the file cannot be read, a row has other than `N` fields, or a field is not a finite number.
-pub fn read<const N: usize>(path: &Path, names: [&'static str; N]) -> Result<Vec<(u64, [f64; N])>, ImportError> {
+pub fn read<const N: usize>(path: &Path, names: [&str; N]) -> Result<Vec<(u64, [f64; N])>, ImportError> {
     let mut rows = Vec::new();
     for (line, text) in (1..).zip(BufReader::new(open(path)?).lines()) {
         let text = text
@@ -30,7 +30,7 @@ pub fn read<const N: usize>(path: &Path, names: [&'static str; N]) -> Result<Vec
             *value = number(field).ok().flatten().ok_or_else(|| ImportError::Value {
                 file,
                 line,
-                column,
+                column: column.to_owned(),
                 rule,
                 found: field.chars().take(40).collect(),
             })?;

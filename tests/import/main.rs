@@ -5,6 +5,7 @@ mod barfoot_1d;
 mod barfoot_2d;
 mod hdl64e;
 mod kitti;
+mod mapped;
 mod mrclam;
 
 use std::collections::BTreeMap;

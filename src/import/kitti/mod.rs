@@ -155,7 +155,7 @@ fn picture(file: &Path) -> Result<[Vec<u16>; 65], ImportError> {
 
 fn value(file: &Path, column: usize, rule: &'static str, found: u32) -> ImportError {
     let (file, line) = (file.to_owned(), column as u64 + 1);
-    ImportError::Value { file, line, column: "encoder", rule, found: found.to_string() }
+    ImportError::Value { file, line, column: "encoder".to_owned(), rule, found: found.to_string() }
 }
 
 /// Poses at the revolutions' beginnings.
