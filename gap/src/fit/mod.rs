@@ -2,6 +2,8 @@
 
 mod motion;
 mod sensor;
+#[cfg(test)]
+mod tests;
 
 use asami_dataset::truth::pose_at;
 use asami_dataset::{Dataset, TruePose};
