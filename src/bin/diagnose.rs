@@ -18,9 +18,9 @@ use clap::Parser;
 #[command(
     version,
     after_help = "Examples:
-  generate scenarios/plain_2d.toml --seed 1000 --duration-s 150 --effect command_delay.delay_s=0.1 -o results/late
+  generate scenarios/plain_2d.toml --seed 1000 --duration-s 150 --effect image_delay.delay_s=0.06 -o results/late
   diagnose results/late
-  diagnose results/late --without command_delay
+  diagnose results/late --without image_delay
   sweep results/diagnosis/late/with_effect.toml
 
 Exit status: 0 done, 1 our bug, 2 bad input, or a log that shows nothing."

@@ -64,7 +64,7 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
         let top = greatest(&case.evidence);
         let fading = 1.0 + calibration.fade * top;
         let even = SLIP / probabilities.len() as f64;
-        let of_truth = probabilities.get(&case.truth).copied().unwrap_or(0.0);
+        let of_truth = probabilities.get(case.truth.as_str()).copied().unwrap_or(0.0);
         // The share of the truth's probability that evidence gave it.
         let told = if of_truth > 0.0 { (of_truth - even) / of_truth } else { 0.0 };
         let leader = leader(&case.evidence);
@@ -110,7 +110,7 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
 #[must_use]
 pub fn log_loss(calibration: &Calibration, cases: &[Case]) -> f64 {
     let loss = |case: &Case| {
-        let p = calibration.by_block(&case.evidence).get(&case.truth).copied().unwrap_or(0.0);
+        let p = calibration.by_block(&case.evidence).get(case.truth.as_str()).copied().unwrap_or(0.0);
         -ln_1p(p.max(1e-12) - 1.0)
     };
     cases.iter().map(loss).fold(0.0, |sum, it| sum + it) / cases.len().max(1) as f64

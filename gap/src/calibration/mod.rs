@@ -12,6 +12,7 @@ mod fit;
 use std::collections::BTreeMap;
 
 use asami_math::elementary::{exp, ln};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use fit::fit;
@@ -106,18 +107,25 @@ impl Calibration {
     /// The calibration of these cases.
     #[must_use]
     pub fn learn(cases: &[Case]) -> Self {
-        let mut calibration = fit(&cases.iter().collect::<Vec<_>>());
+        let all: Vec<&Case> = cases.iter().collect();
+        let of = |fold: usize, held: bool| {
+            cases.iter().enumerate().filter(move |(i, _)| (i % FOLDS == fold) == held).map(|(_, case)| case)
+        };
+        // The first learns from all of them.
+        let learned: Vec<Self> = (0..=FOLDS)
+            .into_par_iter()
+            .map(|k| fit(&k.checked_sub(1).map_or_else(|| all.clone(), |fold| of(fold, false).collect())))
+            .collect();
         let mut scores: [Vec<f64>; 3] = Default::default();
-        for fold in 0..FOLDS {
-            let of = |held: bool| cases.iter().enumerate().filter(move |(i, _)| (i % FOLDS == fold) == held);
-            let rest = fit(&of(false).map(|(_, case)| case).collect::<Vec<_>>());
-            for (_, case) in of(true) {
+        for (fold, rest) in learned.iter().skip(1).enumerate() {
+            for case in of(fold, true) {
                 let shown = case.shown.as_ref().unwrap_or(&case.truth);
                 let truth = if is_unknown(shown) { UNKNOWN } else { shown };
                 let probability = rest.probabilities(&case.evidence).get(truth).copied().unwrap_or(0.0);
                 scores[stratum(&case.evidence)].push(probability);
             }
         }
+        let mut calibration = learned.into_iter().next().unwrap_or_default();
         for (threshold, scores) in calibration.thresholds.iter_mut().zip(&mut scores) {
             scores.sort_by(f64::total_cmp);
             // The conformal rank: one in sixteen of n + 1, rounded down. What does not show of two effects is in no set, and
@@ -147,8 +155,8 @@ impl Calibration {
     pub fn probabilities(&self, evidence: &Evidence) -> BTreeMap<String, f64> {
         let mut probabilities = BTreeMap::new();
         for (cause, p) in self.by_block(evidence) {
-            let cause = if is_unknown(&cause) { UNKNOWN.to_owned() } else { cause };
-            *probabilities.entry(cause).or_insert(0.0) += p;
+            let cause = if is_unknown(cause) { UNKNOWN } else { cause };
+            *probabilities.entry(cause.to_owned()).or_insert(0.0) += p;
         }
         probabilities
     }
@@ -162,14 +170,14 @@ impl Calibration {
     }
 
     /// Probabilities with each flexible block of the unknown by itself.
-    fn by_block(&self, evidence: &Evidence) -> BTreeMap<String, f64> {
+    fn by_block<'a>(&self, evidence: &'a Evidence) -> BTreeMap<&'a str, f64> {
         let sharp = softmax(self.scores(evidence));
         let even = SLIP / sharp.len() as f64;
         sharp.into_iter().map(|(cause, p)| (cause, (1.0 - SLIP) * p + even)).collect()
     }
 
     /// Logarithms of the probabilities, but for a constant. A block is held against the cause that it was put on top of.
-    fn scores(&self, evidence: &Evidence) -> Vec<(String, f64)> {
+    fn scores<'a>(&self, evidence: &'a Evidence) -> Vec<(&'a str, f64)> {
         let weight = self.tau / (1.0 + self.fade * greatest(evidence));
         let singles = evidence.keys().filter(|cause| is_single(cause)).count().max(1) as f64;
         let top = top_single(evidence);
@@ -184,7 +192,7 @@ impl Calibration {
             let beyond = nats(evidence, cause) - leader_nats;
             of_leader + ln(PRIOR_UNKNOWN) + self.beta(cause) + self.tau_beyond * beyond
         };
-        let score = |cause: &str| (cause.to_owned(), if is_unknown(cause) { block(cause) } else { named(cause) });
+        let score = |cause: &'a str| (cause, if is_unknown(cause) { block(cause) } else { named(cause) });
         evidence.keys().map(|cause| score(cause)).chain([score(NONE)]).collect()
     }
 
@@ -275,7 +283,7 @@ fn stratum(evidence: &Evidence) -> usize {
     STRATA_NATS.iter().filter(|nats| greatest(evidence) > **nats).count()
 }
 
-fn softmax(scores: Vec<(String, f64)>) -> BTreeMap<String, f64> {
+fn softmax(scores: Vec<(&str, f64)>) -> BTreeMap<&str, f64> {
     let top = scores.iter().map(|(_, score)| *score).fold(f64::NEG_INFINITY, f64::max);
     let sum = scores.iter().fold(0.0, |sum, (_, score)| sum + exp(score - top));
     scores.into_iter().map(|(cause, score)| (cause, exp(score - top) / sum)).collect()
