@@ -111,7 +111,8 @@ fn a_block_is_held_against_the_cause_that_it_was_put_on_top_of() {
         Evidence::from(nats.map(|(cause, nats)| (cause.to_owned(), nats)))
     };
     let odds = |pair: f64| {
-        let p = Calibration::default().scores(&evidence(pair));
+        let evidence = evidence(pair);
+        let p = Calibration::default().scores(&evidence);
         let of = |cause: &str| p.iter().find(|it| it.0 == cause).map_or(f64::NAN, |it| it.1);
         of("unknown/timing") - of("a+b")
     };
