@@ -33,12 +33,14 @@ use progress::Listener;
 use repaired::CannotRepair;
 use shelf::{CannotShelve, Shelf, Shelved, less};
 
-/// Fewer cases, those with their effect taken out of the list among them, make probabilities flatter than they need be.
-const LEAST_CASES: usize = 150;
 /// Planted cases that probabilities are calibrated on.
 const CASES: usize = 300;
-/// Of a robot in Rapier, where each takes seconds.
+/// Of a robot in Rapier, where each takes seconds. The Aibo's log-loss on cases held back is 4.1 nats uncalibrated, 2.6 with
+/// 50 planted, 2.3 with 75, and 2.2 from 100 to 200.
 const CASES_IN_RAPIER: usize = 100;
+/// Fewer cases, those with their effect taken out of the list among them, are not learned from.
+const LEAST_CASES: usize = 75;
+const _: () = assert!(LEAST_CASES <= CASES_IN_RAPIER && CASES_IN_RAPIER <= CASES);
 
 /// What is asked of a diagnosis.
 #[derive(Clone, Debug, Default)]
