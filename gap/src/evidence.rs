@@ -156,19 +156,20 @@ fn refine(kind: &mut Tried, gain: &impl Fn(&Variant, f64) -> f64) {
     let (at, peak_nats) = kind.best();
     let bend = kind.about_the_top().and_then(|about| vertex(&about)).map_or(1.0, |top| top.bend).max(1.0);
     let h = 1.0 / bend.sqrt();
-    let sides = [at - h, at + h]
-        .map(|side| if (least..=greatest).contains(&side) { gain(&kind.variant, side) } else { f64::NAN });
-    for (side, nats) in [at - h, at + h].into_iter().zip(sides).filter(|(_, nats)| !nats.is_nan()) {
-        kind.add(side, nats);
-    }
+    let look = |kind: &mut Tried, at: f64| {
+        let within = (least..=greatest).contains(&at);
+        within.then(|| {
+            let nats = gain(&kind.variant, at);
+            kind.add(at, nats);
+            nats
+        })
+    };
     // A parabola through points far apart says little of a narrow peak: these are one standard deviation off it by now.
-    let falls = sides.iter().filter(|nats| nats.is_finite()).map(|nats| peak_nats - nats);
+    let sides = [at - h, at + h].map(|side| look(kind, side));
+    let falls = sides.into_iter().flatten().filter(|nats| nats.is_finite()).map(|nats| peak_nats - nats);
     let bend = falls.fold(0.0, |most, fall| f64::max(most, 2.0 * fall / (h * h))).max(1.0);
     for share in FLANKS {
-        let flank = at + share / bend.sqrt();
-        if (least..=greatest).contains(&flank) {
-            kind.add(flank, gain(&kind.variant, flank));
-        }
+        look(kind, at + share / bend.sqrt());
     }
 }
 
@@ -229,6 +230,31 @@ mod tests {
         assert!((kind.evidence() - expected).abs() < 1e-3, "{} {expected}", kind.evidence());
         let [low, high] = kind.interval().map(f64::ln);
         assert!((low - (0.3 - 0.16449)).abs() < 2e-3 && (high - (0.3 + 0.16449)).abs() < 2e-3, "{low} {high}");
+    }
+
+    /// However narrow the peak, and wherever between the sizes that are tried first, its height and its mass are found.
+    #[test]
+    fn a_peak_is_found_and_integrated_in_a_score_of_looks() {
+        for (sd, at) in [(0.6, 0.1), (0.3, -0.35), (0.05, 0.7), (0.03, 0.77)] {
+            // Of a linear effect: a parabola in the size, so no parabola in its logarithm.
+            let peak = |x: f64| 0.5 * (1.0 - ((x - at).exp() - 1.0).powi(2)) / (sd * sd);
+            let looks = std::cell::Cell::new(0);
+            let mut kind = tried((0..8).map(|i| -1.5 + 3.0 * f64::from(i) / 7.0).map(|x| (x, peak(x))).collect());
+            refine(&mut kind, &|_, x| {
+                looks.set(looks.get() + 1);
+                peak(x)
+            });
+            assert!(looks.get() <= 16, "{sd} {at}: {}", looks.get());
+            assert!((kind.best().1 - peak(at)).abs() < 0.05, "{sd} {at}: {:?}", kind.best());
+            let all = tried((0..=60_000).map(|i| -1.5 + 5e-5 * f64::from(i)).map(|x| (x, peak(x))).collect());
+            // Straight lines between flanks cut corners off a round peak.
+            assert!(
+                (kind.evidence() - all.evidence()).abs() < 0.1,
+                "{sd} {at}: {} {}",
+                kind.evidence(),
+                all.evidence()
+            );
+        }
     }
 
     #[test]

@@ -42,7 +42,11 @@ pub trait Judge: Sync {
     /// `log p(o)` under a response, told whether it is worth the while to read on; a rough figure where it is not.
     fn beside(&self, numbers: &[f64], pace: &Pace) -> f64 {
         let mut runner = Runner::new(pace);
-        let _ = self.terms(numbers).into_iter().all(|it| runner.goes_on(it));
+        for term in self.terms(numbers) {
+            if !runner.goes_on(term) {
+                break;
+            }
+        }
         runner.log_likelihood()
     }
 

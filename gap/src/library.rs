@@ -64,7 +64,7 @@ pub(crate) const FIRST_SEED: u64 = 7_000_000_000;
 
 /// In these blocks, one after another.
 const POLISHED_BLOCKS: [&str; 6] = ["noise", "sensor", "timing", "noise", "sensor", "timing"];
-/// In these what effects change.
+/// What an effect changes, in these.
 const PLAYED_BLOCKS: [&str; 5] = ["noise", "sensor", "static_motion", "timing", "noise"];
 /// Of so many nominal logs the likelihood is made greatest.
 const POLISHED: usize = 16;

@@ -7,6 +7,7 @@ use asami_gap::evidence::{CLOSE, Weighed, weigh};
 use asami_gap::experiment::{Course, best, promise};
 use asami_gap::how_far::misfit;
 use asami_gap::library::{Budget, play};
+use asami_gap::race::Pace;
 use asami_gap::{Calibration, Diagnoser, Library, Planted, Responds, Variant};
 
 mod world;
@@ -90,6 +91,27 @@ fn a_planted_effect_is_the_most_evident_and_its_size_lies_in_the_interval_or_nea
         assert!(low - width < size && size < high + width, "{name}: {size} in {low}..{high}");
         assert!(best.evidence_nats > 10.0 && best.evidence_nats < best.gain_nats, "{best:?}");
     }
+}
+
+/// Whoever hears only a part of what a filter finds hears the same: steps' log-likelihoods; their sum, as far as it is
+/// within 60 nats of another response's; and of what is out only that it is far behind.
+#[test]
+fn a_log_says_the_same_in_few_words_as_in_many() {
+    let effects = [planted("image_delay", 1.0, 0.05)];
+    let log = log(&effects, 7);
+    let judge = library().judge(&log).unwrap();
+    let nominal = judge.read(&judge.numbers(&[]));
+    let pace = Pace::of(&nominal);
+    assert!((pace.total() - nominal.total()).abs() < 1e-9);
+    for (name, sign, size) in [("image_delay", 1.0, 0.05), ("height_bias", 1.0, 0.1), ("vision_noise", 1.0, 0.05)] {
+        let numbers = judge.numbers(&[planted(name, sign, size)]);
+        let whole = judge.read(&numbers);
+        assert_eq!(judge.terms(&numbers), whole.log_likelihoods, "{name}");
+        assert!((judge.beside(&numbers, &pace) - whole.total()).abs() < 1e-9, "{name}");
+    }
+    let absurd = judge.numbers(&[planted("height_bias", 1.0, 20.0)]);
+    let (found, whole) = (judge.beside(&absurd, &pace), judge.read(&absurd).total());
+    assert!(whole < pace.total() - 1000.0 && found < pace.total() - 60.0, "{found} {whole} {}", pace.total());
 }
 
 #[test]
