@@ -112,8 +112,7 @@ fn notes(dataset: &Dataset, timing: &Timing) -> Vec<String> {
         format!("found: {} frames without a range", frames - log.sightings.len()),
     ];
     notes.extend(timing.notes("rows"));
-    let speeds = log.commands.iter().filter_map(|command| command.action.forward_m_per_s());
-    notes.extend(units::hint("wheel speeds", speeds, units::FAST_M_PER_S, "m/s"));
+    notes.extend(units::hints_of_wheels(&log.commands, ["wheel speeds", "turning rates"]));
     notes.extend(units::hint("ranges", log.sightings.iter().map(|seen| seen.size.value()), units::FAR_M, "m"));
     if let Some(lead_s) = lead_s(log, &truth.track) {
         notes.push(format!("found: the range runs ahead of the motion capture by {lead_s:.3} s; left as it is"));

@@ -112,13 +112,7 @@ fn track(file: &Path) -> Result<Track, ImportError> {
         format!("found: {} rows over {span_s:.1} s, {} of them without truth", times.len(), times.len() - track.len()),
     ];
     notes.extend(timing.notes("rows"));
-    let speeds = commands.iter().filter_map(|command: &Command| command.action.forward_m_per_s());
-    notes.extend(units::hint("wheel speeds", speeds, units::FAST_M_PER_S, "m/s"));
-    let turns = commands.iter().filter_map(|command| match command.action {
-        Action::Wheels { omega_rad_per_s, .. } => Some(omega_rad_per_s),
-        _ => None,
-    });
-    notes.extend(units::hint("turning rates", turns, units::FAST_RAD_PER_S, "rad/s"));
+    notes.extend(units::hints_of_wheels(&commands, ["wheel speeds", "turning rates"]));
     Ok((commands, frames, track, notes))
 }
 

@@ -12,8 +12,9 @@ use asami_dataset::{Action, Beacon, Command, Frame, Known, Log, Sighting, Size, 
 use asami_math::angle::wrap_rad;
 use serde::Deserialize;
 
+use super::clock::{self, Timing};
 use super::units::{self, Dimension};
-use super::{ImportError, Imported, Importer, Read, capture, clock, columns};
+use super::{ImportError, Imported, Importer, Read, capture, columns};
 
 /// The importer's row in the list.
 pub static IMPORTER: Importer = Importer {
@@ -154,69 +155,76 @@ impl Reading<'_> {
         ImportError::Table { file: self.table_file.to_owned(), why }
     }
 
-    /// Columns of a file, each of a dimension; the first is the time.
-    fn rows<const N: usize>(&self, name: &str, of: [(&Column, Dimension); N]) -> Result<Rows<N>, ImportError> {
-        let mut factors = [1.0; N];
-        for (factor, (column, dimension)) in factors.iter_mut().zip(of) {
-            *factor = dimension.in_si(&column.unit).ok_or_else(|| {
-                let (of, units) = (&column.column, dimension.units().join(", "));
-                self.wrong(format!("the unit of column {of} must be one of {units}, not {:?}", column.unit))
-            })?;
-        }
+    /// The name of a column, and its unit in SI units.
+    fn si<'a>(&self, Column { column, unit }: &'a Column, dimension: Dimension) -> Result<(&'a str, f64), ImportError> {
+        let si = dimension.in_si(unit).ok_or_else(|| {
+            let units = dimension.units().join(", ");
+            self.wrong(format!("the unit of column {column} must be one of {units}, not {unit:?}"))
+        })?;
+        Ok((column, si))
+    }
+
+    /// Columns of a file, the time first, each times its unit.
+    fn rows<const N: usize>(&self, name: &str, of: [(&str, f64); N]) -> Result<Rows<N>, ImportError> {
         let file = columns::of_folder(self.folder, name, HINT)?;
-        let names = of.map(|(column, _)| column.column.as_str());
         let mut rows = Vec::new();
-        for (line, values) in columns::read(&file, names)? {
+        for (line, values) in columns::read(&file, of.map(|(column, _)| column))? {
             let mut row = [0.0; N];
-            for ((si, name), (value, factor)) in row.iter_mut().zip(names).zip(values.into_iter().zip(factors)) {
-                *si = factor * columns::required(&file, line, name, value)?;
+            for ((si, value), (column, unit)) in row.iter_mut().zip(values).zip(of) {
+                *si = unit * columns::required(&file, line, column, value)?;
             }
             rows.push((line, row));
         }
         Ok(Rows { file, rows })
     }
 
-    fn all(&self) -> Result<Imported, ImportError> {
-        let table = self.table;
-        let landmarks = self.landmarks()?;
-        let commanded = {
-            let Commands { file, t, v, omega } = &table.commands;
-            self.rows(file, [(t, Dimension::Time), (v, Dimension::Speed), (omega, Dimension::Turning)])?
-        };
-        let timing = clock::timing(&commanded.file, &table.commands.t.column, &commanded.times())?;
-        // Stamps of the calendar have lost their microseconds in sums of squares.
-        let zero_s = commanded.rows[0].1[0];
-        let mut notes = vec![
-            "assumed: commands are a wheeled robot's speeds, each held until the next (robot \"create\")".to_owned(),
-            format!("found: {} commands; the clock is set to 0 at the first, {zero_s} s", commanded.rows.len()),
-        ];
-        notes.extend(timing.notes("commands"));
+    /// Commands, on a clock that begins with the first, how regularly they come, and what that clock's 0 was.
+    fn commands(&self, notes: &mut Vec<String>) -> Result<(Vec<Command>, Timing, f64), ImportError> {
+        let Commands { file, t, v, omega } = &self.table.commands;
+        let of = [self.si(t, Dimension::Time)?, self.si(v, Dimension::Speed)?, self.si(omega, Dimension::Turning)?];
+        let given = self.rows(file, of)?;
+        let timing = clock::timing(&given.file, &t.column, &given.times())?;
+        let zero_s = given.rows[0].1[0];
         let command = |(_, [t_s, v_m_per_s, omega_rad_per_s]): &(u64, [f64; 3])| Command {
             t_s: t_s - zero_s,
             action: Action::Wheels { id: None, v_m_per_s: *v_m_per_s, omega_rad_per_s: *omega_rad_per_s },
         };
-        let commands: Vec<Command> = commanded.rows.iter().map(command).collect();
-        notes.extend(units::hint("speeds", commanded.rows.iter().map(|it| it.1[1]), units::FAST_M_PER_S, "m/s"));
-        notes.extend(units::hint(
-            "turning rates",
-            commanded.rows.iter().map(|it| it.1[2]),
-            units::FAST_RAD_PER_S,
-            "rad/s",
-        ));
+        let commands: Vec<Command> = given.rows.iter().map(command).collect();
+        notes.extend([
+            "assumed: commands are a wheeled robot's speeds, each held until the next (robot \"create\")".to_owned(),
+            format!("found: {} commands; the clock is set to 0 at the first, {zero_s} s", commands.len()),
+        ]);
+        notes.extend(timing.notes("commands"));
+        notes.extend(units::hints_of_wheels(&commands, ["speeds", "turning rates"]));
+        Ok((commands, timing, zero_s))
+    }
+
+    fn sensor(&self, sightings: &[Sighting], notes: &mut Vec<String>) -> Result<RangeBearing, ImportError> {
+        let Table { max_range_m, sensor_origin_m, .. } = *self.table;
+        if let Some(max_range_m) = max_range_m.filter(|it| !(it.is_finite() && *it > 0.0)) {
+            return Err(self.wrong(format!("max_range_m must be greater than 0, not {max_range_m}")));
+        }
+        if !sensor_origin_m.iter().all(|it| it.is_finite()) {
+            return Err(self.wrong(format!("sensor_origin_m must be two finite numbers, not {sensor_origin_m:?}")));
+        }
+        let longest_m = sightings.iter().map(|seen| seen.size.value()).fold(f64::MIN_POSITIVE, f64::max);
+        if max_range_m.is_none() {
+            notes.push(format!("assumed: the sensor's reach is the longest range in the log, {longest_m:.6} m"));
+        }
+        Ok(RangeBearing { max_range_m: max_range_m.unwrap_or(longest_m), sensor_origin_m })
+    }
+
+    fn all(&self) -> Result<Imported, ImportError> {
+        let mut notes = Vec::new();
+        let landmarks = self.landmarks()?;
+        let (commands, timing, zero_s) = self.commands(&mut notes)?;
         let sightings = self.sightings(&landmarks, zero_s, &mut notes)?;
         let frames = self.frames(zero_s, &mut notes)?;
         let track = self.track(zero_s, &mut notes)?;
-        let reach_m = sightings.iter().map(|seen| seen.size.value()).fold(f64::MIN_POSITIVE, f64::max);
-        if table.max_range_m.is_none() {
-            notes.push(format!("assumed: the sensor's reach is the longest range in the log, {reach_m:.6} m"));
-        }
         let known = Known {
             robot: "create".to_owned(),
             command_rate_hz: Some((timing.rate_hz * 1e6).round() / 1e6),
-            range_bearing: Some(RangeBearing {
-                max_range_m: table.max_range_m.unwrap_or(reach_m),
-                sensor_origin_m: table.sensor_origin_m,
-            }),
+            range_bearing: Some(self.sensor(&sightings, &mut notes)?),
             landmarks,
             ..Known::default()
         };
@@ -253,10 +261,8 @@ impl Reading<'_> {
         notes: &mut Vec<String>,
     ) -> Result<Vec<Sighting>, ImportError> {
         let Sightings { file, t, landmark, range, bearing } = &self.table.sightings;
-        let number = Column { column: landmark.clone(), unit: "1".to_owned() };
-        let of =
-            [(t, Dimension::Time), (&number, Dimension::None), (range, Dimension::Length), (bearing, Dimension::Angle)];
-        let seen = self.rows(file, of)?;
+        let [t_si, range_si] = [self.si(t, Dimension::Time)?, self.si(range, Dimension::Length)?];
+        let seen = self.rows(file, [t_si, (landmark, 1.0), range_si, self.si(bearing, Dimension::Angle)?])?;
         clock::forward(&seen.file, &t.column, &seen.times())?;
         let turns = if self.table.bearings == Sense::Clockwise { -1.0 } else { 1.0 };
         let (mut sightings, mut others) = (Vec::new(), 0);
@@ -285,19 +291,20 @@ impl Reading<'_> {
     fn frames(&self, zero_s: f64, notes: &mut Vec<String>) -> Result<Option<Vec<Frame>>, ImportError> {
         let Some(Frames { file, t }) = &self.table.frames else {
             notes.push(
-                "assumed: nothing: without [frames] it is not known when the sensor looked and saw nothing".to_owned(),
+                "assumed: nothing of misses: without [frames] it is not known when the sensor looked and saw nothing"
+                    .to_owned(),
             );
             return Ok(None);
         };
-        let looked = self.rows(file, [(t, Dimension::Time)])?;
+        let looked = self.rows(file, [self.si(t, Dimension::Time)?])?;
         notes.extend(clock::timing(&looked.file, &t.column, &looked.times())?.notes("frames"));
         Ok(Some(looked.rows.iter().map(|(_, [t_s])| Frame { t_s: t_s - zero_s, head_pan_rad: 0.0 }).collect()))
     }
 
     fn track(&self, zero_s: f64, notes: &mut Vec<String>) -> Result<Vec<TruePose>, ImportError> {
         let Some(TrueTrack { file, t, x, y, theta }) = &self.table.truth else { return Ok(Vec::new()) };
-        let of = [(t, Dimension::Time), (x, Dimension::Length), (y, Dimension::Length), (theta, Dimension::Angle)];
-        let poses = self.rows(file, of)?;
+        let [x_si, y_si] = [self.si(x, Dimension::Length)?, self.si(y, Dimension::Length)?];
+        let poses = self.rows(file, [self.si(t, Dimension::Time)?, x_si, y_si, self.si(theta, Dimension::Angle)?])?;
         clock::timing(&poses.file, &t.column, &poses.times())?;
         let faces_y_rad = match self.table.heading_zero {
             Axis::X => {

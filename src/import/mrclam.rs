@@ -153,8 +153,7 @@ fn commands(file: &Path, rows: &Rows<3>, clock: &Clock, notes: &mut Vec<String>)
     times.dedup_by_key(|(_, t_s)| *t_s);
     notes.extend(clock::timing(file, "time", &times)?.notes("commands"));
     notes.push(format!("found: {} commands, and {again} replaced by another of the same time", commands.len()));
-    notes.extend(units::hint("forward velocities", rows.iter().map(|it| it.1[1]), units::FAST_M_PER_S, "m/s"));
-    notes.extend(units::hint("angular velocities", rows.iter().map(|it| it.1[2]), units::FAST_RAD_PER_S, "rad/s"));
+    notes.extend(units::hints_of_wheels(&commands, ["forward velocities", "angular velocities"]));
     Ok(commands)
 }
 

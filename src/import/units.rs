@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use asami_dataset::{Action, Command};
 use asami_math::angle::wrap_rad;
 
 use super::ImportError;
@@ -20,8 +21,6 @@ pub enum Dimension {
     Speed,
     /// A turning rate.
     Turning,
-    /// A number.
-    None,
 }
 
 impl Dimension {
@@ -34,7 +33,6 @@ impl Dimension {
             Self::Angle => &[("rad", 1.0), ("deg", DEGREE_RAD)],
             Self::Speed => &[("m/s", 1.0), ("cm/s", 1e-2), ("mm/s", 1e-3), ("km/h", 1.0 / 3.6)],
             Self::Turning => &[("rad/s", 1.0), ("deg/s", DEGREE_RAD)],
-            Self::None => &[("1", 1.0)],
         }
     }
 
@@ -92,9 +90,23 @@ pub fn hint(what: &str, values: impl Iterator<Item = f64>, most: f64, unit: &str
     (median > most).then(|| format!("hint: half of the {what} exceed {median} {unit}; is the column in {other}?"))
 }
 
+/// Such sentences of a wheeled robot's commands, `what` being its speeds and its turning rates.
+#[must_use]
+pub fn hints_of_wheels(commands: &[Command], what: [&str; 2]) -> Vec<String> {
+    let wheels = |of: fn(f64, f64) -> f64| {
+        commands.iter().filter_map(move |command| match command.action {
+            Action::Wheels { v_m_per_s, omega_rad_per_s, .. } => Some(of(v_m_per_s, omega_rad_per_s)),
+            Action::Legs { .. } | Action::Pedals { .. } => None,
+        })
+    };
+    let fast = hint(what[0], wheels(|v_m_per_s, _| v_m_per_s), FAST_M_PER_S, "m/s");
+    let turning = hint(what[1], wheels(|_, omega_rad_per_s| omega_rad_per_s), FAST_RAD_PER_S, "rad/s");
+    fast.into_iter().chain(turning).collect()
+}
+
 /// Ranges of sensors and places of landmarks indoors, m.
 pub const FAR_M: f64 = 200.0;
 /// Speeds of wheeled robots, m/s.
-pub const FAST_M_PER_S: f64 = 20.0;
+const FAST_M_PER_S: f64 = 20.0;
 /// Turning rates of wheeled robots, rad/s.
-pub const FAST_RAD_PER_S: f64 = 15.0;
+const FAST_RAD_PER_S: f64 = 15.0;

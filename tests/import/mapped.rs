@@ -90,6 +90,8 @@ fn what_is_wrong_is_refused_in_words() {
             ],
             ["columns.toml", "column = \"speed\"", "column = \"v\"", "wheels.csv:1: the header must have a column v"],
             ["columns.toml", "max_range_m = 6.0", "max_rang_m = 6.0", "unknown field `max_rang_m`"],
+            ["columns.toml", "max_range_m = 6.0", "max_range_m = -6.0", "max_range_m must be greater than 0, not -6"],
+            ["columns.toml", "[0.0, 0.10]", "[0.0, inf]", "sensor_origin_m must be two finite numbers, not [0.0, inf]"],
             ["columns.toml", "id = 9", "id = 7", "landmark 7 must be there once, not twice"],
             ["columns.toml", "x_m = 2.0", "x_m = nan", "landmark 7 must stand somewhere"],
             ["columns.toml", "file = \"mocap.csv\"", "file = \"vicon.csv\"", "vicon.csv: no such file or folder"],
