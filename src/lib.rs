@@ -10,6 +10,7 @@ pub mod generate;
 pub mod import;
 pub mod learn;
 pub mod list;
+pub mod real;
 pub mod report;
 pub mod scenario;
 pub mod score;

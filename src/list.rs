@@ -7,9 +7,11 @@ use asami_dataset::parameters::{Parameter, Parameters};
 use asami_sim::drives::driver::Driving;
 use asami_sim::drives::explore::Exploring;
 use asami_sim::drives::pace::Pacing;
+use asami_sim::drives::roam::Roaming;
 use asami_sim::drives::suite::Suite;
 use asami_sim::robots::aibo::config::AiboConfig;
 use asami_sim::robots::car::CarConfig;
+use asami_sim::robots::create::CreateConfig;
 use asami_sim::robots::plain::PlainConfig;
 use asami_sim::scenes::town::TownConfig;
 use asami_sim::sensors::applanix::Applanix;
@@ -19,6 +21,7 @@ use asami_sim::survey::Surveying;
 
 use crate::blind;
 use crate::import;
+use crate::real;
 use crate::scenario::{self, Origin, Placement, Robot, Starting};
 
 /// A kind of thing that can be listed.
@@ -92,6 +95,11 @@ fn scenario_files(folder: &Path) -> String {
             entry(&mut text, &path_shown, &blind.about, &[("logs", &logs), ("diagnosers", &diagnosers)]);
             continue;
         }
+        if let Ok(Some(real)) = real::scenario::read(&path) {
+            let logs: Vec<&str> = real.asked.logs.iter().map(|log| log.name.as_str()).collect();
+            entry(&mut text, &path_shown, &real.asked.about, &[("logs", &logs.join(", "))]);
+            continue;
+        }
         match scenario::read(&path) {
             Ok(scenario) => {
                 let origin = match &scenario.origin {
@@ -121,6 +129,15 @@ fn robots() -> String {
         let _ = writeln!(text, "  [plain.{name}]");
         parameters(&mut text, table);
     }
+    let what =
+        "An iRobot Create among landmarks in Rapier: two driven wheels, a caster, a sensor of ranges and bearings";
+    entry(&mut text, Robot::Create.name(), what, &[]);
+    for (name, table) in CreateConfig::tables() {
+        let _ = writeln!(text, "  [create.{name}]");
+        parameters(&mut text, table);
+    }
+    let _ = writeln!(text, "  [roam]");
+    parameters(&mut text, Roaming::table());
     let what =
         "A 1999 Isuzu VehiCross driven through a town in Rapier, with a Velodyne HDL-64E on its roof (chapter 5)";
     entry(&mut text, Robot::Car.name(), what, &[]);

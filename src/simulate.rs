@@ -3,9 +3,11 @@
 use asami_dataset::{Dataset, Provenance, Seed, TruePose};
 use asami_sim::drives::explore::Explore;
 use asami_sim::drives::pace::Pace;
+use asami_sim::drives::roam::Roam;
 use asami_sim::ride::{CannotRide, Ride};
 use asami_sim::robots::aibo::{self, AiboWorld, Start};
 use asami_sim::robots::car;
+use asami_sim::robots::create::{self, CreateConfig, CreateWorld};
 use asami_sim::robots::plain::PlainWorld;
 use asami_sim::scenes::field::Field;
 use asami_sim::world::{self, Drive, World};
@@ -22,6 +24,9 @@ pub enum CannotSimulate {
     /// The car cannot be built.
     #[error(transparent)]
     Car(#[from] car::BuildError),
+    /// The Create cannot be built.
+    #[error(transparent)]
+    Create(#[from] create::BuildError),
     /// There is no drive of it.
     #[error(transparent)]
     Ride(#[from] CannotRide),
@@ -62,6 +67,7 @@ impl Simulation {
         Ok(match self.robot {
             Robot::Aibo => Box::new(self.aibo_at(start, seed)?),
             Robot::Plain => Box::new(self.plain_at(start, seed)),
+            Robot::Create => Box::new(self.create_at(start, seed)?),
             // Where it stands is its route's beginning.
             Robot::Car => {
                 let ride = if let Policy::Route(ride) = &self.drive { (**ride).clone() } else { Ride::default() };
@@ -76,6 +82,17 @@ impl Simulation {
         let Start { x_m, y_m, theta_rad, .. } = start;
         let pose = TruePose { t_s: 0.0, x_m, y_m, theta_rad, v_m_per_s: None };
         PlainWorld::new(&self.plain, &self.suite, &self.field, &self.effects, pose, seed)
+    }
+
+    /// The scenario's Create, put where the caller wants it.
+    ///
+    /// # Errors
+    /// If the robot cannot be built.
+    pub fn create_at(&self, start: Start, seed: Seed) -> Result<CreateWorld, create::BuildError> {
+        let Start { x_m, y_m, theta_rad, .. } = start;
+        let pose = TruePose { t_s: 0.0, x_m, y_m, theta_rad, v_m_per_s: None };
+        let config = if let Policy::Roam(roams) = &self.drive { roams.create.clone() } else { CreateConfig::default() };
+        CreateWorld::new(&config, &self.field, &self.effects, pose, seed)
     }
 
     /// The scenario's Aibo, put where the caller wants it.
@@ -105,6 +122,7 @@ impl Simulation {
             Policy::Pace(pacing) => Box::new(Pace::new(pacing.clone(), rng)),
             Policy::Stride(pacing) => Box::new(Pace::among(self.suite.strides(), pacing.clone(), rng)),
             Policy::Explore(exploring) => Box::new(Explore::new(exploring.clone(), self.suite.actions(), rng)),
+            Policy::Roam(roams) => Box::new(Roam::new(roams.roaming.clone(), rng)),
             Policy::Route(ride) => Box::new(ride.driver(&ride.town(seed), seed)),
         }
     }

@@ -108,8 +108,8 @@ pub fn at_hand<'a>(
 ) -> Result<Option<Survey>, CannotSimulate> {
     match simulation.robot {
         Robot::Plain => Ok(Some(exact(simulation))),
-        // Each drive has its own.
-        Robot::Car => Ok(None),
+        // Each log has its own.
+        Robot::Car | Robot::Create => Ok(None),
         Robot::Aibo => Ok(kept_as(&key(simulation)?, folders, SURVEY, KEY)),
     }
 }
@@ -157,7 +157,7 @@ pub fn key(simulation: &Simulation) -> Result<String, CannotSimulate> {
 fn actions(simulation: &Simulation) -> Vec<(u16, Action)> {
     match simulation.drive {
         Policy::Explore(_) => (0..).zip(simulation.suite.actions()).collect(),
-        Policy::Pace(_) | Policy::Stride(_) | Policy::Route(_) => Vec::new(),
+        Policy::Pace(_) | Policy::Stride(_) | Policy::Roam(_) | Policy::Route(_) => Vec::new(),
     }
 }
 
@@ -170,8 +170,8 @@ pub fn make(simulation: &Simulation, jobs: Option<usize>, say: &(dyn Fn(&str) + 
     match simulation.robot {
         Robot::Aibo => {}
         Robot::Plain => return Ok(exact(simulation)),
-        // Where its lasers point may be drawn: each drive has a survey of its own.
-        Robot::Car => return Ok(Survey::default()),
+        // Where lasers point may be drawn, and commands take any value: each log has a survey of its own.
+        Robot::Car | Robot::Create => return Ok(Survey::default()),
     }
     let actions = actions(simulation);
     let commands = if actions.is_empty() { how.commands_m_per_s() } else { Vec::new() };

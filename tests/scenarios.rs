@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use asami::real;
 use asami::scenario::{self, Bad};
 use proptest::prelude::*;
 
@@ -31,8 +32,14 @@ fn shipped() -> Vec<PathBuf> {
 fn every_shipped_scenario_is_read_and_expects_something() {
     assert!(shipped().len() >= 2);
     for path in shipped() {
-        // Those are read by `asami::blind`.
-        if path.file_stem().is_some_and(|stem| stem.to_string_lossy().starts_with("blind_")) {
+        // Those are read by `asami::blind` and `asami::real`.
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        if stem.starts_with("blind_") {
+            continue;
+        }
+        if stem == "real" {
+            let real = real::scenario::read(&path).unwrap_or_else(|bad| panic!("{}", shown(&bad)));
+            assert!(real.is_some_and(|real| real.asked.logs.len() > 2), "{stem}");
             continue;
         }
         match scenario::read(&path) {
@@ -170,7 +177,7 @@ fn rules_are_stated_with_the_value_and_the_remedy() {
         (PLAIN, "\"em_published\"", "\"algorithm1\"", "learner algorithm1 is not for study \"plane\""),
         (PLAIN, "sigma2_rad = 0.5", "sigma2_rad = 5.0", "sigma2_rad must lie in 0..=2 rad, not 5"),
         (PLAIN, "vx_rmse_mm_per_s = ", "vx_rmse_mm_s = ", "did you mean `vx_rmse_mm_per_s`?"),
-        (PLAIN, "[explore]", "[binning]\nv_cells = 3\n[explore]", "binning belongs to recorded scenarios"),
+        (PLAIN, "[explore]", "[binning]\nv_cells = 3\n[explore]", "binning is not for robot \"plain\""),
         (CAR, "robot = \"car\"", "robot = \"aibo\"", "robot \"car\" and study \"car\" belong together"),
         (CAR, "[town]", "[field]\n[town]", "field is not for robot \"car\""),
         (CAR, "\"car_lines\"", "\"batch\"", "learner batch is not for study \"car\", which learns from"),

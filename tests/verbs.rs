@@ -292,3 +292,27 @@ fn a_bad_scenario_or_effect_is_shown() {
     refused(&effect("weak_leg.leg=-1"), "leg must lie in 0..=3, not -1");
     refused(&effect("ground_friction"), "must be NAME.PARAM=VALUE");
 }
+
+/// Of real logs a sweep takes those that are named, and says what it cannot find.
+#[test]
+fn a_sweep_of_real_logs_says_what_it_lacks() {
+    let dir = tempfile::tempdir().unwrap();
+    let scenario = dir.path().join("mine.toml");
+    let log = |name: &str| {
+        format!(
+            "[[logs]]\nname = \"{name}\"\nsource = \"no/such\"\nformat = \"barfoot-2d\"\nnominal = \"create_laser\"\n"
+        )
+    };
+    let head = "schema = 1\nstudy = \"real\"\nabout = \"What parts them?\"\n";
+    std::fs::write(&scenario, format!("{head}{}{}", log("one"), log("two"))).unwrap();
+    let said = |arguments: &[&str]| {
+        let done = run(env!("CARGO_BIN_EXE_sweep"), &[&[text(&scenario)], arguments].concat());
+        assert_eq!(done.status.code(), Some(2));
+        String::from_utf8_lossy(&done.stderr).into_owned()
+    };
+    assert!(said(&["--only", "three"]).contains("has no log called three"));
+    assert!(said(&["--data", "elsewhere"]).contains("say which with --only NAME"));
+    assert!(said(&["--seeds", "3"]).contains("--seeds is for simulated scenarios"));
+    let absent = said(&["--only", "one"]);
+    assert!(absent.contains("no/such") && absent.contains("--data DIR"), "{absent}");
+}

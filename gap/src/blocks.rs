@@ -51,17 +51,26 @@ pub fn fit(judge: &dyn Judge, numbers: &[f64], of: &dyn Fn(usize) -> bool) -> Ve
 }
 
 /// The response from `numbers` that makes several logs of one world most likely, as far as one block may change it;
-/// `numbers` themselves where nothing is gained.
+/// `numbers` themselves where nothing is gained that its freedom is worth.
 #[must_use]
 pub fn polished(judges: &[&dyn Judge], numbers: &[f64], block: &'static str) -> Vec<f64> {
-    let Some(first) = judges.first() else { return numbers.to_vec() };
-    let directions = first.directions(numbers, block);
+    let fitted = fitted(judges, numbers, block);
+    fitted.filter(|it| it.evidence_nats > 0.0).map_or_else(|| numbers.to_vec(), |it| it.numbers)
+}
+
+/// The same, whatever its freedom is worth.
+#[must_use]
+pub fn likeliest(judges: &[&dyn Judge], numbers: &[f64], block: &'static str) -> Vec<f64> {
+    fitted(judges, numbers, block).map_or_else(|| numbers.to_vec(), |it| it.numbers)
+}
+
+fn fitted(judges: &[&dyn Judge], numbers: &[f64], block: &'static str) -> Option<Fitted> {
+    let directions = judges.first()?.directions(numbers, block);
     let on = On { judges, numbers, directions: &directions, of: &|_| true };
     let none = vec![0.0; directions.len()];
     let here = on.likely(&none);
     let scores: Vec<Vec<f64>> = (0..directions.len()).map(|i| on.score(&none, &here, i)).collect();
-    let fitted = on.block(block, 0..directions.len(), &here, &scores);
-    if fitted.evidence_nats > 0.0 { fitted.numbers } else { numbers.to_vec() }
+    Some(on.block(block, 0..directions.len(), &here, &scores))
 }
 
 /// A response, the ways in which it may change, and the steps that count.

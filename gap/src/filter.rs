@@ -249,21 +249,27 @@ impl<'a> Ready<'a> {
     }
 
     fn sight(&self, view: &View, i: usize, landmark: usize, belief: &Belief) -> Sight {
-        view.sight(i, landmark, belief.mean.into(), self.moved[landmark])
+        view.sight(i, landmark, belief.mean.into(), self.moved(landmark))
     }
 
-    /// From the robot to a landmark: world x and y.
+    /// By how much a landmark stands elsewhere: by nothing where there are more than nominally.
+    fn moved(&self, landmark: usize) -> [f64; 2] {
+        self.moved.get(landmark).copied().unwrap_or_default()
+    }
+
+    /// From the sensor to a landmark: world x and y.
     fn towards(&self, view: &View, landmark: usize, belief: &Belief) -> [f64; 2] {
-        let ([x_m, y_m], [moved_x_m, moved_y_m]) = (view.landmarks[landmark], self.moved[landmark]);
-        [x_m + moved_x_m - belief.mean.x, y_m + moved_y_m - belief.mean.y]
+        let ([x_m, y_m], [moved_x_m, moved_y_m]) = (view.landmarks[landmark], self.moved(landmark));
+        let ([out_x_m, out_y_m], _) = view.out(belief.mean.z);
+        [x_m + moved_x_m - belief.mean.x - out_x_m, y_m + moved_y_m - belief.mean.y - out_y_m]
     }
 
     /// Standard deviations of a landmark's distance and bearing.
     fn uncertain(&self, view: &View, landmark: usize, distance_m: f64, belief: &Belief) -> [f64; 2] {
         let d = distance_m.max(0.05);
         let [ux, uy] = self.towards(view, landmark, belief).map(|it| it / d);
-        let sd = |h: Vector3<f64>| (h.transpose() * belief.covariance * h).x.max(0.0).sqrt();
-        [sd(Vector3::new(ux, uy, 0.0)), sd(Vector3::new(uy / d, -ux / d, -1.0))]
+        let sd = |h: RowVector3<f64>| (h * belief.covariance * h.transpose()).x.max(0.0).sqrt();
+        by_pose([ux, uy], d, view.out(belief.mean.z).1).map(sd)
     }
 
     /// Whether a landmark is as likely to be seen two standard deviations of the pose to either side.
@@ -315,7 +321,7 @@ impl<'a> Ready<'a> {
         let white = [first / self.memory.spread[0], (plain.y - l[(1, 0)] * first) / scale[1]];
         let squares = white[0] * white[0] + white[1] * white[1];
         let of_it = (1.0 - self.share_false) * exp(-0.5 * squares) / (TAU * scale[0] * scale[1]);
-        let off_rad = if view.misses { wrap_rad(bearing_rad - view.steps[i].pan_rad) } else { 0.0 };
+        let off_rad = view.off_rad(view.steps[i].pan_rad, bearing_rad);
         let of_another = self.share_false * self.shape.elsewhere(size, off_rad);
         let genuine = of_it / (of_it + of_another);
         // A sighting of something else leaves the state as it is, and nobody knows for sure which it was (probabilistic
@@ -343,9 +349,16 @@ impl<'a> Ready<'a> {
         let expected = [dot(&self.size_columns, for_size), sight.bearing_rad + dot(&self.bearing_columns, for_bearing)];
         let d = sight.distance_m.max(0.05);
         let [ux, uy] = self.towards(view, sight.landmark, belief).map(|it| it / d);
-        // Derivatives of the distance, and of the bearing.
-        let (far, off) = (RowVector3::new(-ux, -uy, 0.0), RowVector3::new(uy / d, -ux / d, -1.0));
+        let [far, off] = by_pose([ux, uy], d, view.out(belief.mean.z).1);
         let [size_by_off, bearing_by_off] = self.shape.off_slopes(sight, for_size, for_bearing);
         (expected, SMatrix::from_rows(&[slope * far + size_by_off * off, (1.0 + bearing_by_off) * off]))
     }
+}
+
+/// Derivatives with respect to the pose of a landmark's distance from the sensor and of its bearing: by the unit vector
+/// towards it, the distance, and how the sensor's place changes with the heading.
+fn by_pose([ux, uy]: [f64; 2], distance_m: f64, [swung_x, swung_y]: [f64; 2]) -> [RowVector3<f64>; 2] {
+    let (across_x, across_y) = (uy / distance_m, -ux / distance_m);
+    let far = RowVector3::new(-ux, -uy, -(ux * swung_x + uy * swung_y));
+    [far, RowVector3::new(across_x, across_y, across_x * swung_x + across_y * swung_y - 1.0)]
 }

@@ -69,28 +69,26 @@ impl Filtered {
 
 /// Passes on scored steps alone.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scored<H> {
-    /// So many steps are not.
-    pub unscored: usize,
-    /// Who hears the others.
+pub struct Scored<'a, H> {
+    /// Whether each step to come is.
+    pub scored: &'a [bool],
+    /// Who hears of those that are.
     pub heard: H,
 }
 
-impl<H: Hears> Hears for Scored<H> {
+impl<H: Hears> Hears for Scored<'_, H> {
     const EXPECTS: bool = H::EXPECTS;
 
     fn sighting(&mut self, innovation: Innovation) {
-        if self.unscored == 0 {
+        if self.scored.first() == Some(&true) {
             self.heard.sighting(innovation);
         }
     }
 
     fn step(&mut self, log_likelihood: f64, expected: f64) -> bool {
-        if self.unscored > 0 {
-            self.unscored -= 1;
-            return true;
-        }
-        self.heard.step(log_likelihood, expected)
+        let Some((scored, rest)) = self.scored.split_first() else { return false };
+        self.scored = rest;
+        !scored || self.heard.step(log_likelihood, expected)
     }
 }
 

@@ -6,6 +6,7 @@
 //! filtered with each hypothesis's response in the place of the nominal one, and its likelihood decides.
 //! Nothing here reads files or clocks, or prints.
 
+pub mod aside;
 pub mod blocks;
 pub mod calibration;
 pub mod columns;
@@ -23,6 +24,7 @@ pub mod groups;
 pub mod hears;
 pub mod how_far;
 pub mod judge;
+pub mod layers;
 pub mod library;
 pub mod memory;
 pub mod nominal;
@@ -30,6 +32,7 @@ pub mod place;
 pub mod plant;
 pub mod practice;
 pub mod race;
+pub mod real;
 pub mod regimes;
 pub mod rhythm;
 pub mod rivals;

@@ -4,9 +4,11 @@
 use asami_dataset::{Dataset, Log, Seed};
 use asami_math::elementary::ln;
 use asami_sim::effect::{Block, Place};
+use asami_sim::effects::catalogue;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::aside::Aside;
 use crate::blocks::polished;
 use crate::columns::Group;
 use crate::drive::Drives;
@@ -53,6 +55,9 @@ impl Budget {
         } else if robot == "aibo" {
             // Rapier takes 3.3 s of a core for 150 s: with 41 kinds, 18 minutes of one.
             Self { runs: 2, ..Self::default() }
+        } else if robot == "create" {
+            // Rapier takes 0.35 s of a core for 150 s of two wheels.
+            Self { nominal_runs: 32, runs: 8, sizes: 5, ..Self::default() }
         } else {
             Self::default()
         }
@@ -76,6 +81,9 @@ pub struct Library {
     pub base: Base,
     /// Kinds of effects.
     pub entries: Vec<Entry>,
+    /// Where the log at hand said how noisy it is: what was learned from is not scored.
+    #[serde(skip)]
+    pub aside: Option<Aside>,
 }
 
 /// The nominal response.
@@ -207,7 +215,7 @@ impl Base {
     /// The numbers near these that make logs most likely, block by block: how a head that follows a landmark answers to a
     /// sway, and what is left of a rhythm, shows in what a filter expects, and not in runs with their truth.
     fn polished(&self, numbers: &[f64], runs: &[Dataset], of: &[&'static str]) -> Vec<f64> {
-        let alone = Library { base: self.clone(), entries: Vec::new() };
+        let alone = Library { base: self.clone(), entries: Vec::new(), aside: None };
         let judges: Vec<Sighted<'_>> =
             runs.iter().take(POLISHED).filter_map(|run| Sighted::new(&run.log, &alone).ok()).collect();
         let judges: Vec<&dyn Judge> = judges.iter().map(|judge| judge as &dyn Judge).collect();
@@ -236,7 +244,7 @@ impl Base {
 
     /// How far the nominal logs' innovations scatter, once sways are taken into account.
     fn spread(&self, runs: &[Dataset]) -> [f64; 2] {
-        let alone = Library { base: self.clone(), entries: Vec::new() };
+        let alone = Library { base: self.clone(), entries: Vec::new(), aside: None };
         let (mut squares, mut n) = ([0.0; 2], 0.0);
         for judge in runs.iter().filter_map(|run| Sighted::new(&run.log, &alone).ok()) {
             for it in judge.filtered(&self.numbers).innovations.iter().filter(|it| it.genuine > 0.5) {
@@ -278,6 +286,17 @@ impl Entry {
         let changes =
             responses.into_iter().map(change).zip(&runs).map(|(it, (_, runs))| base.played(it, runs)).collect();
         Self { kind: variant.name(), sizes, changes, run: run(variant) }
+    }
+
+    /// Whether the effect is one of noise.
+    pub(crate) fn is_of_noise(&self) -> bool {
+        let name = self.kind.split(['+', '-']).next().unwrap_or_default();
+        catalogue().iter().any(|about| about.name == name && about.block == Block::Noise)
+    }
+
+    /// Takes out what it changes of some numbers.
+    pub(crate) fn leaves(&mut self, numbers: std::ops::Range<usize>) {
+        self.changes.iter_mut().for_each(|change| change[numbers.clone()].fill(0.0));
     }
 
     /// Adds the change at a size to `numbers`. Logarithms of noise and log-odds run in straight lines always.
@@ -331,7 +350,7 @@ impl Library {
         let base = Base::learn(nominal, budget)?;
         let learn = |variant: &Variant| Entry::learn(nominal, &base, variant, budget);
         let entries: Result<Vec<Entry>, CannotPlay> = variants.par_iter().map(learn).collect();
-        Ok(Self { entries: entries?, base })
+        Ok(Self { entries: entries?, base, aside: None })
     }
 
     /// The entry of a kind of effect.

@@ -45,7 +45,7 @@ pub fn channels(shape: &Shape) -> Vec<Channel> {
     ]
 }
 
-/// Circumstances of the scored steps.
+/// Circumstances of steps that follow one another.
 #[must_use]
 pub fn regimes(steps: &[Step]) -> Vec<Regime> {
     let speed = |class: usize| steps.iter().map(|step| speed_class(step.attempt) == class).collect::<Vec<_>>();

@@ -145,7 +145,9 @@ impl Shape {
     #[must_use]
     pub fn moved(&self, numbers: &[f64], landmark: usize) -> [f64; 2] {
         let at = self.range(Numbers::Moved).start + 2 * landmark;
-        if self.landmarks > 1 { [numbers[at], numbers[at + 1]] } else { [0.0; 2] }
+        // A log may have more of them than the nominal world.
+        let known = self.landmarks > 1 && landmark < self.landmarks;
+        if known { [numbers[at], numbers[at + 1]] } else { [0.0; 2] }
     }
 
     /// Fills the size's columns, and their derivatives with respect to the distance for those of its curve.
@@ -166,7 +168,8 @@ impl Shape {
         let (sin_b, cos_b) = sin_cos(sight.bearing_rad);
         let [right, forward, turn] = sight.attempt;
         let extra = self.curve_width();
-        columns[extra] = sight.off_rad * sight.off_rad;
+        // Off the axis a range, and a depth that is taken for one, part in proportion to the distance.
+        columns[extra] = sight.off_rad * sight.off_rad * if self.ranges { d } else { 1.0 };
         columns[extra + 1] = (right * right + forward * forward + turn * turn).sqrt();
         columns[extra + 2] = fall * (forward * cos_b - right * sin_b);
     }
@@ -176,7 +179,7 @@ impl Shape {
     #[must_use]
     pub fn off_columns(&self) -> [(usize, f64); 3] {
         let bearing = self.width(Numbers::Size);
-        [(self.curve_width(), 10.0), (bearing + 1, 0.05), (bearing + 2, 0.5)]
+        [(self.curve_width(), if self.ranges { 1.0 } else { 10.0 }), (bearing + 1, 0.05), (bearing + 2, 0.5)]
     }
 
     /// Fills the bearing's columns.
@@ -199,7 +202,8 @@ impl Shape {
     pub fn off_slopes(&self, sight: &Sight, size: &[f64], bearing: &[f64]) -> [f64; 2] {
         let off = sight.off_rad;
         let of_bearing = bearing[1] + 3.0 * off * off * bearing[2];
-        [2.0 * off * size[self.curve_width()], of_bearing]
+        let scale = if self.ranges { sight.distance_m } else { 1.0 };
+        [2.0 * off * scale * size[self.curve_width()], of_bearing]
     }
 
     /// The density of sightings of something else, which may be anywhere in view, as far away as anything;

@@ -19,6 +19,8 @@ use crate::shape::{Numbers, Shape, Sight};
 use crate::state::Belief;
 use crate::view::{CannotSee, View};
 
+/// The effect that shows in what is missed alone.
+const MISSES: &str = "missed_sightings";
 /// Nothing is scored before the filter has settled.
 const SETTLING_S: f64 = 5.0;
 /// Starts tried around the first landmark seen.
@@ -35,8 +37,8 @@ pub struct Sighted<'a> {
     start: Belief,
     /// The first step with a sighting.
     begin: usize,
-    /// Steps after `begin` before anything is scored.
-    settling: usize,
+    /// Whether each step from `begin` on is scored.
+    scored: Vec<bool>,
     /// Whose being seen or missed counts; the same under every response, so that they can be compared.
     counted: Counted,
     moments: Vec<Moment>,
@@ -48,22 +50,31 @@ impl<'a> Sighted<'a> {
     /// # Errors
     /// [`CannotSee`] says what the log lacks.
     pub fn new(log: &Log, library: &'a Library) -> Result<Self, CannotSee> {
+        let aside = library.aside;
+        Self::scoring(log, library, |t_s| aside.is_none_or(|aside| !aside.holds(t_s)))
+    }
+
+    /// Looks at a log, of which the times for which `of` says so are scored.
+    ///
+    /// # Errors
+    /// [`CannotSee`] says what the log lacks.
+    pub fn scoring(log: &Log, library: &'a Library, of: impl Fn(f64) -> bool) -> Result<Self, CannotSee> {
         let mut view = View::new(log, &library.base.shape.columns)?;
         if !library.base.rhythm.is_silent() {
             let heard = heard(&library.base, &view);
             view.steady(&library.base.rhythm.of(&heard));
         }
         let begin = view.steps.iter().position(|step| !step.seen.is_empty()).unwrap_or(0);
-        let scored_s = view.steps[begin].t_s + SETTLING_S;
-        let settling = view.steps[begin..].iter().take_while(|step| step.t_s < scored_s).count();
+        let settled_s = view.steps[begin].t_s + SETTLING_S;
+        let scored: Vec<bool> = view.steps[begin..].iter().map(|step| step.t_s >= settled_s && of(step.t_s)).collect();
         let start = start(&library.base.shape, &library.base.numbers, &view, begin);
         let counted = counted(&library.base.shape, &library.base.numbers, &view, begin, &mut start.clone());
-        let scored = view.steps.get(begin + settling..).unwrap_or_default();
-        let moments = scored.iter().map(|step| Moment { t_s: step.t_s, seen: step.seen.len() }).collect();
-        Ok(Self { library, view, start, begin, settling, counted, moments })
+        let steps = view.steps[begin..].iter().zip(&scored).filter(|(_, scored)| **scored);
+        let moments = steps.map(|(step, _)| Moment { t_s: step.t_s, seen: step.seen.len() }).collect();
+        Ok(Self { library, view, start, begin, scored, counted, moments })
     }
 
-    /// The log filtered under a response; steps count from [`Sighted::scored`] on.
+    /// The log filtered under a response, as far as it is scored.
     #[must_use]
     pub fn filtered(&self, numbers: &[f64]) -> Filtered {
         let (mut filtered, visits) = self.told(numbers, Filtered::default());
@@ -73,17 +84,11 @@ impl<'a> Sighted<'a> {
 
     /// Filters the log under a response for somebody. Gives how often each bin of detection was visited, too.
     fn told<H: Hears>(&self, numbers: &[f64], heard: H) -> (H, Vec<f64>) {
-        let mut scored = Scored { unscored: self.settling, heard };
+        let mut scored = Scored { scored: &self.scored, heard };
         let Base { shape, memory, .. } = &self.library.base;
         let walk = Walk { shape, numbers, memory: *memory, view: &self.view, counted: &self.counted };
         let visits = walk.tell(&mut scored, self.begin..self.view.steps.len(), &mut self.start.clone());
         (scored.heard, visits)
-    }
-
-    /// The first step that is scored.
-    #[must_use]
-    pub fn scored(&self) -> usize {
-        self.begin + self.settling
     }
 }
 
@@ -92,8 +97,10 @@ impl Judge for Sighted<'_> {
         self.library.numbers(planted)
     }
 
+    /// Where nobody knows what was missed, an effect by which more is missed does not show.
     fn knows(&self, variant: &Variant) -> bool {
-        self.library.entry(variant).is_some()
+        let shows = self.view.misses || variant.about.name != MISSES;
+        shows && self.library.entry(variant).is_some()
     }
 
     fn read(&self, numbers: &[f64]) -> Reading {
@@ -152,7 +159,10 @@ impl Judge for Sighted<'_> {
     }
 
     fn regimes(&self) -> Vec<Regime> {
-        regimes(&self.view.steps[self.scored()..])
+        let all = regimes(&self.view.steps[self.begin..]);
+        let scored =
+            |of: &[bool]| of.iter().zip(&self.scored).filter(|(_, scored)| **scored).map(|(it, _)| *it).collect();
+        all.into_iter().map(|(name, of)| (name, scored(&of))).collect()
     }
 }
 
@@ -186,14 +196,14 @@ fn start(shape: &Shape, numbers: &[f64], view: &View, begin: usize) -> Belief {
     let distance_m = distance(shape, &numbers[shape.range(Numbers::Size)], seen.size);
     let at = view.landmarks[seen.landmark];
     if view.landmarks.len() == 1 {
-        return ring(0.0, at, distance_m, seen.bearing_rad, true);
+        return seen_from(view, ring(0.0, at, distance_m, seen.bearing_rad, true));
     }
     let mut last = begin;
     while last < view.steps.len() && view.steps[last].seen.end < step.seen.start + TRIED {
         last += 1;
     }
     let turn = |i: usize| std::f64::consts::TAU * i as f64 / STARTS as f64;
-    let starts = (0..STARTS).map(|i| ring(turn(i), at, distance_m, seen.bearing_rad, false));
+    let starts = (0..STARTS).map(|i| seen_from(view, ring(turn(i), at, distance_m, seen.bearing_rad, false)));
     let walk = Walk { shape, numbers, memory: Memory::default(), view, counted: UNCOUNTED };
     let likely = |start: &Belief| walk.filter(begin..last, &mut start.clone()).total(0);
     let scored = starts.map(|start| (likely(&start), start));
@@ -211,6 +221,12 @@ fn ring(towards_rad: f64, [x_m, y_m]: [f64; 2], distance_m: f64, bearing_rad: f6
     let side = Vector3::new(cos, sin, 0.0);
     let heading = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, 0.09));
     Belief { mean, covariance: along * ray * ray.transpose() + across * side * side.transpose() + heading }
+}
+
+/// The body's pose, given the sensor's.
+fn seen_from(view: &View, sensor: Belief) -> Belief {
+    let ([x_m, y_m], _) = view.out(sensor.mean.z);
+    Belief { mean: sensor.mean - Vector3::new(x_m, y_m, 0.0), ..sensor }
 }
 
 /// The distance at which the size's curve comes nearest to a size.

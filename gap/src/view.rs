@@ -2,7 +2,7 @@
 
 use asami_dataset::{Frame, Log, Size};
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, hypot};
+use asami_math::elementary::{atan2, hypot, sin_cos};
 
 use crate::columns::Columns;
 use crate::shape::Sight;
@@ -86,6 +86,8 @@ pub struct View {
     pub ranges: bool,
     /// Whether frames without sightings are in the log, so that a miss says something.
     pub misses: bool,
+    /// Where the sensor sits in the robot frame: right, forward. Distances and bearings are from there.
+    pub origin_m: [f64; 2],
 }
 
 /// Fewer frames with sightings than this say nothing.
@@ -123,6 +125,7 @@ impl View {
             landmarks: log.known.landmarks.iter().map(|it| [it.x_m, it.y_m]).collect(),
             ranges: log.sightings.iter().any(|it| matches!(it.size, Size::RangeM(_))),
             misses: log.frames.is_some(),
+            origin_m: log.known.range_bearing.as_ref().map_or([0.0; 2], |it| it.sensor_origin_m),
         };
         let mut held: Vec<(f64, f64)> = Vec::with_capacity(log.sightings.len());
         let mut next = 0;
@@ -175,18 +178,37 @@ impl View {
     ) -> Sight {
         let step = &self.steps[step];
         let [landmark_x_m, landmark_y_m] = self.landmarks[landmark];
-        let (dx, dy) = (landmark_x_m + moved_x_m - x_m, landmark_y_m + moved_y_m - y_m);
+        let ([out_x_m, out_y_m], _) = self.out(theta_rad);
+        let (dx, dy) = (landmark_x_m + moved_x_m - x_m - out_x_m, landmark_y_m + moved_y_m - y_m - out_y_m);
         let bearing_rad = wrap_rad(atan2(-dx, dy) - theta_rad);
         Sight {
             distance_m: hypot(dx, dy),
             bearing_rad,
-            // Where the head looked is in the frames alone.
-            off_rad: if self.misses { wrap_rad(bearing_rad - step.pan_rad) } else { 0.0 },
+            off_rad: self.off_rad(step.pan_rad, bearing_rad),
             pan_rad_per_s: step.pan_rad_per_s,
             theta_rad,
             landmark,
             attempt: step.attempt,
         }
+    }
+
+    /// From the body's centre to the sensor, in world axes, at a heading; and how that changes with the heading.
+    #[must_use]
+    pub fn out(&self, theta_rad: f64) -> ([f64; 2], [f64; 2]) {
+        let [right_m, ahead_m] = self.origin_m;
+        if self.origin_m == [0.0; 2] {
+            return Default::default();
+        }
+        let (sin, cos) = sin_cos(theta_rad);
+        let [x_m, y_m] = [right_m * cos - ahead_m * sin, right_m * sin + ahead_m * cos];
+        ([x_m, y_m], [-y_m, x_m])
+    }
+
+    /// The angle off the image's centre of a bearing. Where a head looked is in the frames alone; a sensor of ranges looks
+    /// straight ahead.
+    #[must_use]
+    pub fn off_rad(&self, pan_rad: f64, bearing_rad: f64) -> f64 {
+        if self.misses || self.ranges { wrap_rad(bearing_rad - pan_rad) } else { 0.0 }
     }
 
     /// The row of the motion's columns of a step: each that is not 0, with its value, in order.

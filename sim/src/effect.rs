@@ -1,7 +1,7 @@
 //! What an effect is: one named phenomenon that a nominal simulator leaves out.
 
 use asami_dataset::parameters::Parameter;
-use asami_dataset::{Action, Frame, Rng, Sighting};
+use asami_dataset::{Action, Frame, Rng, Sighting, Size};
 
 use crate::knobs::{Knobs, LaserKnobs};
 
@@ -69,8 +69,8 @@ pub struct Glance<'a> {
     pub landmarks: &'a [u16],
     /// Width of what the camera sees.
     pub view_rad: f64,
-    /// Least and greatest height that the vision reports.
-    pub heights_px: [f64; 2],
+    /// Least and greatest size that it reports: heights, or ranges.
+    pub sizes: [Size; 2],
 }
 
 /// Where in the loop an effect acts.

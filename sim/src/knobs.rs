@@ -5,15 +5,18 @@
 
 /// The knobs of all robots, one group per place; a robot turns a deaf ear to those it lacks.
 ///
-/// The groups `body`, `eye`, `scene` and `velodyne`, and an Aibo's ground's slope, are read once, before the log begins.
+/// The groups `body`, `eye`, `scene` and `velodyne`, the size and place of `wheels`, and the slope under an Aibo or a Create
+/// are read once, before the log begins.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Knobs {
     /// Between the command and the gait.
     pub command: CommandKnobs,
     /// A legged robot's motors.
     pub motors: MotorKnobs,
-    /// A legged robot's masses and lengths.
+    /// A robot's masses and lengths.
     pub body: BodyKnobs,
+    /// A wheeled robot's two wheels.
+    pub wheels: WheelKnobs,
     /// What the feet or wheels stand on.
     pub ground: GroundKnobs,
     /// Camera, pan encoder and vision.
@@ -63,7 +66,7 @@ impl MotorKnobs {
     }
 }
 
-/// The body of a legged robot.
+/// The body of a legged or wheeled robot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BodyKnobs {
     /// Mass of a load on the torso.
@@ -72,6 +75,23 @@ pub struct BodyKnobs {
     pub payload_ahead_m: f64,
     /// By how much each leg is shorter: fore left, fore right, hind left, hind right.
     pub short_m: [f64; 4],
+}
+
+/// The wheels of a robot that turns by driving its two at different speeds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WheelKnobs {
+    /// Factors on their radii: left, right.
+    pub radius_ratio: [f64; 2],
+    /// Factor on the distance between them.
+    pub base_ratio: f64,
+    /// Time constant of their speed's answer to a command on top of its own.
+    pub lag_s: f64,
+}
+
+impl Default for WheelKnobs {
+    fn default() -> Self {
+        Self { radius_ratio: [1.0; 2], base_ratio: 1.0, lag_s: 0.0 }
+    }
 }
 
 /// The ground.
@@ -105,8 +125,14 @@ pub struct EyeKnobs {
     pub delay_s: f64,
     /// By how much a bright thing is taller, and wider, in the image than it should be.
     pub bloom_px: f64,
-    /// Factor on the noise of pixels, or of heights and bearings where there are no pixels.
+    /// Factor on the noise of pixels, or of sizes and bearings where there are no pixels.
     pub noise_ratio: f64,
+    /// Factor on ranges.
+    pub range_ratio: f64,
+    /// What ranges have on top.
+    pub range_offset_m: f64,
+    /// How much of the way from the range, which is what is asked for, to the depth along the sensor's axis is reported.
+    pub depth_share: f64,
 }
 
 impl Default for EyeKnobs {
@@ -119,6 +145,9 @@ impl Default for EyeKnobs {
             delay_s: 0.0,
             bloom_px: 0.0,
             noise_ratio: 1.0,
+            range_ratio: 1.0,
+            range_offset_m: 0.0,
+            depth_share: 0.0,
         }
     }
 }

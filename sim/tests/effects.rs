@@ -8,6 +8,7 @@ use asami_sim::drives::suite::Suite;
 use asami_sim::effect::{About, Draw, Way};
 use asami_sim::effects::{self, Effects};
 use asami_sim::robots::aibo::{AiboConfig, AiboWorld, Start};
+use asami_sim::robots::create::{CreateConfig, CreateWorld};
 use asami_sim::robots::plain::{PlainConfig, PlainWorld};
 use asami_sim::scenes::field::{Colour, Cylinder, Field, Landmark};
 use asami_sim::sensors::camera::CameraConfig;
@@ -19,7 +20,7 @@ use rand::RngExt;
 const WALK_S: f64 = 6.0;
 
 /// The robots that have a world: each must bear every effect that fits it.
-const ROBOTS: [&str; 2] = ["aibo", "plain"];
+const ROBOTS: [&str; 3] = ["aibo", "plain", "create"];
 
 fn walk(robot: &str, effects: &Effects, seed: u64) -> Dataset {
     walk_until(robot, effects, seed, WALK_S)
@@ -39,6 +40,13 @@ fn world(robot: &str, effects: &Effects, seed: Seed) -> Box<dyn World> {
         let (config, suite) = (PlainConfig::default(), Suite::default());
         let start = TruePose { t_s: 0.0, x_m: 0.0, y_m: -2.0, theta_rad: 0.0, v_m_per_s: None };
         return Box::new(PlainWorld::new(&config, &suite, &field, effects, start, seed));
+    }
+    if robot == "create" {
+        let mut config = CreateConfig::default();
+        config.sight.view_rad = 2.0;
+        config.sight.recognised = 0.9;
+        let start = TruePose { t_s: 0.0, x_m: 0.0, y_m: -2.0, theta_rad: 0.0, v_m_per_s: None };
+        return Box::new(CreateWorld::new(&config, &field, effects, start, seed).expect("the shipped robot"));
     }
     let start = Start { y_m: -2.0, ..Start::default() };
     let (config, camera) = (AiboConfig::default(), CameraConfig::default());
@@ -66,6 +74,9 @@ impl Drive for Wander {
 impl Wander {
     fn draw(&mut self) -> Action {
         let [a, b, c] = [(); 3].map(|()| 2.0 * self.rng.random::<f64>() - 1.0);
+        if self.robot == "create" {
+            return Action::Wheels { id: None, v_m_per_s: 0.25 + 0.25 * b, omega_rad_per_s: 0.4 * c };
+        }
         // The plain robot's whole range, and a stroll of the Aibo's.
         let [right, forward, turn] = if self.robot == "plain" { [0.35, 0.4, 3.0] } else { [0.06, 0.2, 0.4] };
         Action::Legs { id: None, ax_m_per_s: right * a, ay_m_per_s: forward * b, atheta_rad_per_s: turn * c }
@@ -75,7 +86,7 @@ impl Wander {
 #[test]
 fn the_catalogue_is_complete_and_says_what_it_is() {
     let fitting = ROBOTS.map(|robot| fitting(robot).len());
-    assert!(fitting[0] >= 22 && fitting[1] >= 15, "most tests here pass on an empty list");
+    assert!(fitting[0] >= 22 && fitting[1] >= 15 && fitting[2] >= 18, "most tests here pass on an empty list");
     for about in effects::catalogue() {
         assert!(!about.what.is_empty() && !about.source.is_empty() && !about.fits.is_empty(), "{}", about.name);
         assert!(!about.parameters.is_empty(), "{}", about.name);
@@ -149,17 +160,20 @@ fn at_null_no_bit_changes_and_off_null_the_log_does() {
 /// Every parameter but the beginning counts for something once the effect is there.
 #[test]
 fn every_parameter_counts() {
-    for about in fitting("plain") {
+    for (robot, about) in
+        ["plain", "create"].into_iter().flat_map(|robot| fitting(robot).into_iter().map(move |it| (robot, it)))
+    {
         let large = planted(about, LARGE);
-        let drawn = walk("plain", &large, 1);
+        let drawn = walk(robot, &large, 1);
         let values: Vec<f64> = large.iter().flat_map(|effect| effect.values()).collect();
         for (parameter, value) in about.parameters.iter().zip(values).filter(|(it, _)| it.name != BEGIN) {
             let (least, greatest) = parameter.range;
             let mut other = large.clone();
             other.set(about.name, parameter.name, if value == least { greatest } else { least });
-            // With one landmark it does not matter which.
-            let differs = walk("plain", &other, 1).log != drawn.log || parameter.name == "number";
-            assert!(differs, "{}.{} changes nothing", about.name, parameter.name);
+            // With one landmark it does not matter which; and wheels do not go sideways.
+            let exempt = parameter.name == "number" || (robot == "create" && parameter.name == "x_ratio");
+            let differs = walk(robot, &other, 1).log != drawn.log || exempt;
+            assert!(differs, "{robot}: {}.{} changes nothing", about.name, parameter.name);
         }
     }
 }

@@ -42,9 +42,13 @@ struct Arguments {
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "30")]
     self_test: Option<u16>,
     /// Calibrates probabilities on at least so many planted cases, which are made once and kept; 0: none, and
-    /// probabilities are too bold [default: 300, of a robot in Rapier 100]
+    /// probabilities are too bold [default: 300, of a robot in Rapier 75]
     #[arg(long, value_name = "N")]
     calibrate: Option<usize>,
+    /// The log is of a real robot: how noisy it is, is learned from a quarter of the log, in pieces, which is not diagnosed;
+    /// then effects are named one beside another, the most evident first, for as long as they explain more
+    #[arg(long)]
+    real: bool,
     /// Where what was played is kept
     #[arg(long, value_name = "DIR", default_value = "results/library")]
     libraries: PathBuf,
@@ -62,6 +66,7 @@ fn main() -> ExitCode {
             libraries: arguments.libraries,
             budget: None,
             calibrate: arguments.calibrate,
+            real: arguments.real,
         };
         let listener = Progress::default();
         let (answer, ready) = Answer::new(&log, &asked, &listener)?;

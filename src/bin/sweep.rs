@@ -6,13 +6,13 @@ use std::process::ExitCode;
 use asami::sweep::progress::Progress;
 use asami::sweep::verb::{Asked, carry_out, plan};
 use asami::sweep::{Options, manifest};
-use asami::{blind, diagnose, report, scenario, verb};
+use asami::{blind, diagnose, real, report, scenario, verb};
 use clap::Parser;
 
 /// Runs every trial of a scenario: logs across seeds, learners, starting models.
 ///
 /// Of a blind scenario (study = "blind"): plants effects in its nominal world, lets diagnosers see each log alone, and
-/// scores them.
+/// scores them. Of real logs (study = "real"): diagnoses each, and holds what is found against motion capture.
 ///
 /// A stopped sweep goes on where it was. The table goes to stdout, everything else to stderr and DIR.
 #[derive(Parser)]
@@ -34,7 +34,7 @@ struct Arguments {
     /// How many seeds, of a blind scenario cases, instead of the scenario's number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     seeds: Option<u32>,
-    /// Only the rows of this name, as tables have it; may be given again
+    /// Only the rows, of real logs the logs, of this name, as tables have it; may be given again
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
     /// The recorded data, instead of the scenario's `source`; of a blind scenario another program's cases, instead of its
@@ -48,6 +48,9 @@ fn main() -> ExitCode {
     verb::main(|| {
         if let Some(blind) = blind::scenario::read(&arguments.scenario)? {
             return in_the_dark(blind, arguments);
+        }
+        if let Some(real) = real::scenario::read(&arguments.scenario)? {
+            return of_real_robots(real, arguments);
         }
         let scenario = scenario::read(&arguments.scenario)?;
         let out = arguments.output.unwrap_or_else(|| PathBuf::from("results").join(&scenario.name));
@@ -83,6 +86,31 @@ fn in_the_dark(mut blind: blind::scenario::Blind, arguments: Arguments) -> Resul
     let field = blind::field::Field::new(&blind, &libraries, &listener).map_err(verb::plain)?;
     let results = blind::walk::run(&blind, &field, &options, &Progress::of("diagnosing")).map_err(verb::plain)?;
     let outcome = report::blind::write(&results, &options.program, &options.out).map_err(verb::plain)?;
+    verb::print(&outcome.text);
+    eprintln!("written to {}", options.out.display());
+    Ok(if outcome.has_errors { verb::Ending::TrialErred } else { verb::Ending::Done })
+}
+
+/// Real logs: of the options, all but the number of seeds.
+fn of_real_robots(mut real: real::scenario::Real, arguments: Arguments) -> Result<verb::Ending, miette::Report> {
+    if arguments.seeds.is_some() {
+        miette::bail!("--seeds is for simulated scenarios; {} is about recordings", real.name);
+    }
+    if let Some(unknown) = arguments.only.iter().find(|name| !real.asked.logs.iter().any(|log| log.name == **name)) {
+        miette::bail!("{} has no log called {unknown}", real.name);
+    }
+    if !arguments.only.is_empty() {
+        real.asked.logs.retain(|log| arguments.only.contains(&log.name));
+    }
+    if arguments.data.is_some() && real.asked.logs.len() > 1 {
+        miette::bail!("--data is the place of one log: say which with --only NAME");
+    }
+    let out = arguments.output.unwrap_or_else(|| PathBuf::from("results").join(&real.name));
+    let options = Options { out, jobs: arguments.jobs.map(usize::from), program: manifest::program() };
+    let hears = (&Progress::of("diagnosing") as &_, &diagnose::progress::Progress::default() as &_);
+    let libraries = PathBuf::from("results/library");
+    let results = real::walk::run(&real, arguments.data.as_deref(), &libraries, &options, hears)?;
+    let outcome = real::tables::write(&results, &options.program, &options.out).map_err(verb::plain)?;
     verb::print(&outcome.text);
     eprintln!("written to {}", options.out.display());
     Ok(if outcome.has_errors { verb::Ending::TrialErred } else { verb::Ending::Done })

@@ -173,7 +173,7 @@ pub fn parse(
     nominal: &dyn Fn(&str) -> Result<String, String>,
 ) -> Result<Option<Blind>, Bad> {
     let Ok(table) = toml::de::DeTable::parse(text) else { return Ok(None) };
-    if !wire::is_blind(table.get_ref()) {
+    if wire::study(table.get_ref()) != Some("blind") {
         return Ok(None);
     }
     wire::check_schema(table.get_ref()).map_err(|fault| Bad::faults(shown, text, &table, &[fault]))?;

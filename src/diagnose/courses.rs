@@ -1,4 +1,4 @@
-//! Ways to drive a scenario's robot that differ from its own by a key of `[drive]`.
+//! Ways to drive a scenario's robot that differ from its own by a key of their policy's table.
 
 use std::sync::OnceLock;
 
@@ -7,9 +7,10 @@ use asami_gap::experiment::{Course, Courses};
 use asami_gap::library::play;
 use asami_sim::drives::explore::Exploring;
 use asami_sim::drives::pace::Pacing;
+use asami_sim::drives::roam::Roaming;
 use rayon::prelude::*;
 
-use crate::scenario::{Policy, Simulation};
+use crate::scenario::{Policy, Roams, Simulation};
 
 /// The seed of the logs that courses are judged by: no case has it.
 const SEED: Seed = Seed(7_900_000_000);
@@ -62,10 +63,10 @@ struct Way {
 }
 
 /// Commands held for other times than its own.
-fn held(own_s: f64, drive: impl Fn(f64) -> Policy) -> Vec<Way> {
+fn held(table: &str, own_s: f64, drive: impl Fn(f64) -> Policy) -> Vec<Way> {
     let way = |hold_s: f64| Way {
         words: format!("with each command held for {hold_s} s"),
-        keys: format!("drive.hold_s = {hold_s}"),
+        keys: format!("{table}.hold_s = {hold_s}"),
         drive: drive(hold_s),
     };
     HOLDS_S.into_iter().filter(|hold_s| *hold_s != own_s).map(way).collect()
@@ -74,25 +75,43 @@ fn held(own_s: f64, drive: impl Fn(f64) -> Policy) -> Vec<Way> {
 fn ways(simulation: &Simulation) -> Vec<Way> {
     match &simulation.drive {
         Policy::Explore(own) => {
-            let mut ways = held(own.hold_s, |hold_s| Policy::Explore(Exploring { hold_s, ..own.clone() }));
+            let mut ways = held("explore", own.hold_s, |hold_s| Policy::Explore(Exploring { hold_s, ..own.clone() }));
             let [field_x_m, field_y_m] = [own.field_x_m, own.field_y_m].map(|it| (100.0 * INNER * it).round() / 100.0);
             ways.push(Way {
                 words: format!("in the inner {field_x_m} by {field_y_m} m of the field"),
-                keys: format!("drive.field_x_m = {field_x_m}, drive.field_y_m = {field_y_m}"),
+                keys: format!("explore.field_x_m = {field_x_m}, explore.field_y_m = {field_y_m}"),
                 drive: Policy::Explore(Exploring { field_x_m, field_y_m, ..own.clone() }),
             });
             ways
         }
         Policy::Pace(own) => paced(own, &Policy::Pace),
         Policy::Stride(own) => paced(own, &Policy::Stride),
+        Policy::Roam(own) => roamed(own),
         // A person who drives through traffic does not choose.
         Policy::Route(_) => Vec::new(),
     }
 }
 
+/// Commands of a wheeled robot held for other times than its own, and slower ones.
+fn roamed(own: &Roams) -> Vec<Way> {
+    let with = |roaming: Roaming| Policy::Roam(Box::new(Roams { roaming, ..own.clone() }));
+    let held = HOLDS_S.into_iter().map(|hold_s| Way {
+        words: format!("with each command held for {hold_s} s"),
+        keys: format!("roam.least_hold_s = {hold_s}, roam.most_hold_s = {hold_s}"),
+        drive: with(Roaming { least_hold_s: hold_s, most_hold_s: hold_s, ..own.roaming.clone() }),
+    });
+    let most_m_per_s = (100.0 * 0.25 * own.roaming.most_m_per_s).round() / 100.0;
+    let slow = Way {
+        words: format!("no faster than {most_m_per_s} m/s"),
+        keys: format!("roam.most_m_per_s = {most_m_per_s}"),
+        drive: with(Roaming { most_m_per_s: most_m_per_s.max(0.01), ..own.roaming.clone() }),
+    };
+    held.chain([slow]).collect()
+}
+
 /// Held for other times, and near the beacon or far from it alone.
 fn paced(own: &Pacing, policy: &dyn Fn(Pacing) -> Policy) -> Vec<Way> {
-    let mut ways = held(own.hold_s, |hold_s| policy(Pacing { hold_s, ..own.clone() }));
+    let mut ways = held("drive", own.hold_s, |hold_s| policy(Pacing { hold_s, ..own.clone() }));
     let between_px = ((own.near_height_px * own.far_height_px).sqrt() * 10.0).round() / 10.0;
     let near = ("far_height_px", "near the beacon", Pacing { far_height_px: between_px, ..own.clone() });
     let far = ("near_height_px", "far from the beacon", Pacing { near_height_px: between_px, ..own.clone() });

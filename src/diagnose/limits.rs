@@ -66,6 +66,8 @@ const MOST_S: f64 = 1800.0;
 const MOST_ROWS: usize = 100_000;
 /// Where nothing is sighted for longer, the pose is lost: what follows is another log.
 const MOST_GAP_S: f64 = 30.0;
+/// On wheels it is lost later.
+const MOST_GAP_ON_WHEELS_S: f64 = 120.0;
 /// Without a sighting for so long, the pose is hardly known afterwards.
 const GAP_S: f64 = 10.0;
 
@@ -111,7 +113,8 @@ pub fn limits(log: &Log) -> Result<Limited, ShowsNothing> {
 fn looked_at(log: &Log, began_s: f64, ended_s: f64) -> (Log, f64) {
     let seen_s = |i: usize| log.sightings.get(i).map_or(ended_s, |seen| seen.t_s);
     let n = log.sightings.len();
-    let after_a_gap = (1..n).filter(|i| seen_s(*i) - seen_s(i - 1) > MOST_GAP_S);
+    let most_s = if log.known.robot == "create" { MOST_GAP_ON_WHEELS_S } else { MOST_GAP_S };
+    let after_a_gap = (1..n).filter(|i| seen_s(*i) - seen_s(i - 1) > most_s);
     let ends: Vec<usize> = std::iter::once(0).chain(after_a_gap).chain([n]).collect();
     let parts = ends.windows(2).map(|ends| ends[0]..ends[1]);
     let most = parts.reduce(|a, b| if b.len() > a.len() { b } else { a }).unwrap_or_default();

@@ -97,6 +97,7 @@ fn shipped(log: &Log) -> Option<&'static str> {
         "aibo" if log.known.landmarks.len() > 1 => Some("aibo_2d"),
         "aibo" => Some("aibo_1d"),
         "plain" => Some("plain_2d"),
+        "create" => Some("create"),
         "car" => Some("car"),
         _ => None,
     }
@@ -124,9 +125,13 @@ mod tests {
         let plane = Path::new("plain_2d");
         assert_eq!(Held::find(Some(plane), &log("plain", 0, Some("no_such"))).unwrap().name, "plain_2d");
         assert_eq!(Held::find(None, &log("aibo", 1, Some("aibo_2d"))).unwrap().name, "aibo_2d");
-        for (robot, landmarks, name) in
-            [("aibo", 1, "aibo_1d"), ("aibo", 4, "aibo_2d"), ("plain", 4, "plain_2d"), ("car", 0, "car")]
-        {
+        for (robot, landmarks, name) in [
+            ("aibo", 1, "aibo_1d"),
+            ("aibo", 4, "aibo_2d"),
+            ("plain", 4, "plain_2d"),
+            ("create", 15, "create"),
+            ("car", 0, "car"),
+        ] {
             assert_eq!(Held::find(None, &log(robot, landmarks, None)).unwrap().name, name);
         }
     }
@@ -134,7 +139,7 @@ mod tests {
     #[test]
     fn what_is_no_nominal_world_is_said() {
         let said = |asked: Option<&str>, log: &Log| Held::find(asked.map(Path::new), log).unwrap_err().to_string();
-        assert!(said(None, &log("create", 1, None)).contains("no world is shipped for robot \"create\""));
+        assert!(said(None, &log("tank", 1, None)).contains("no world is shipped for robot \"tank\""));
         assert!(said(None, &log("plain", 1, Some("no_such"))).contains("there is no scenario no_such"));
         assert!(said(Some("barfoot_1d"), &log("create", 1, None)).contains("recorded log"));
         assert!(said(Some("aibo_1d"), &log("plain", 1, None)).contains("of robot \"aibo\""));

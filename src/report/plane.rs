@@ -35,7 +35,7 @@ pub fn figures(results: &Results<InPlane>) -> Vec<Figure> {
         Origin::Simulated(simulation) => match simulation.robot {
             Robot::Aibo => WALKED,
             Robot::Plain => SIMULATED,
-            Robot::Car => OTHERS,
+            Robot::Create | Robot::Car => OTHERS,
         },
         Origin::Recorded(_) => OTHERS,
     };

@@ -323,7 +323,7 @@ fn trials_section(outcome: &Outcome) -> Section {
     Section::new("Every trial").folded().table(table)
 }
 
-pub(super) fn made_with(report: Report, manifest: &Manifest) -> Report {
+pub(crate) fn made_with(report: Report, manifest: &Manifest) -> Report {
     let commit = manifest.commit.clone().unwrap_or_else(|| "unknown".to_owned());
     let dirty = if manifest.dirty == Some(true) { ", with changes" } else { "" };
     report

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::sweep::{car, plane, stride};
 
 pub use fault::Bad;
-pub use origin::{Origin, Part, Placement, Policy, Recording, Robot, Simulation, Window};
+pub use origin::{Origin, Part, Placement, Policy, Recording, Roams, Robot, Simulation, Window};
 pub use start::{Start, Starting};
 
 /// A checked scenario.
@@ -196,8 +196,8 @@ pub fn read(path: &Path) -> Result<Scenario, Bad> {
 pub fn parse(name: &str, shown: &str, text: &str) -> Result<Scenario, Bad> {
     let table = toml::de::DeTable::parse(text).map_err(|error| Bad::syntax(shown, text, &error))?;
     wire::check_schema(table.get_ref()).map_err(|fault| Bad::faults(shown, text, &table, &[fault]))?;
-    if wire::is_blind(table.get_ref()) {
-        let message = "study \"blind\" has no learners: only `sweep` reads it".to_owned();
+    if let Some(study @ ("blind" | "real")) = wire::study(table.get_ref()) {
+        let message = format!("study \"{study}\" has no learners: only `sweep` reads it");
         return Err(Bad::faults(shown, text, &table, &[Fault { path: "study".into(), message }]));
     }
     let wire: wire::Wire = toml::from_str(text).map_err(|error| Bad::syntax(shown, text, &error))?;

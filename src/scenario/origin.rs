@@ -4,9 +4,11 @@ use std::ops::Range;
 
 use asami_sim::drives::explore::Exploring;
 use asami_sim::drives::pace::Pacing;
+use asami_sim::drives::roam::Roaming;
 use asami_sim::drives::suite::Suite;
 use asami_sim::effects::Effects;
 use asami_sim::robots::aibo::AiboConfig;
+use asami_sim::robots::create::CreateConfig;
 use asami_sim::robots::plain::PlainConfig;
 use asami_sim::scenes::field::Field;
 use asami_sim::sensors::camera::CameraConfig;
@@ -66,8 +68,21 @@ pub enum Policy {
     Stride(Pacing),
     /// All over the field by the suite's 40 actions (section 4.4.1).
     Explore(Exploring),
+    /// A wheeled robot, all over an arena at any speed.
+    Roam(Box<Roams>),
     /// Round a town, as a person drives (chapter 5).
     Route(Box<Ride>),
+}
+
+/// A wheeled robot and its policy.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Roams {
+    /// The robot.
+    pub create: CreateConfig,
+    /// The policy.
+    pub roaming: Roaming,
+    /// How its commands become discrete actions, for learners of a velocity for each.
+    pub binning: Option<Binning>,
 }
 
 impl Simulation {
@@ -97,6 +112,8 @@ pub enum Robot {
     Aibo,
     /// The dissertation's own simulator (section 4.4.2): kinematics and Gaussian noise.
     Plain,
+    /// An iRobot Create among landmarks, in Rapier.
+    Create,
     /// A 1999 Isuzu VehiCross with a Velodyne on its roof, in Rapier.
     Car,
 }
@@ -108,6 +125,7 @@ impl Robot {
         match self {
             Robot::Aibo => "aibo",
             Robot::Plain => "plain",
+            Robot::Create => "create",
             Robot::Car => "car",
         }
     }

@@ -7,10 +7,12 @@ use asami_learners::Learners;
 use asami_sim::drives::driver::Driving;
 use asami_sim::drives::explore::Exploring;
 use asami_sim::drives::pace::Pacing;
+use asami_sim::drives::roam::Roaming;
 use asami_sim::drives::suite::Suite;
 use asami_sim::effects::Effects;
 use asami_sim::robots::aibo::AiboConfig;
 use asami_sim::robots::car::CarConfig;
+use asami_sim::robots::create::CreateConfig;
 use asami_sim::robots::plain::PlainConfig;
 use asami_sim::scenes::field::Field;
 use asami_sim::scenes::town::TownConfig;
@@ -80,6 +82,10 @@ pub struct Wire {
     pub drive: Option<Pacing>,
     /// The policy in the plane.
     pub explore: Option<Exploring>,
+    /// The wheeled robot.
+    pub create: Option<CreateConfig>,
+    /// Its policy.
+    pub roam: Option<Roaming>,
     /// The town that a car drives through.
     pub town: Option<TownConfig>,
     /// The car.
@@ -149,10 +155,10 @@ pub struct Row {
     pub with: BTreeMap<String, f64>,
 }
 
-/// Whether a file asks a blind scenario's question: `study = "blind"`.
+/// What a file says it studies.
 #[must_use]
-pub fn is_blind(table: &DeTable<'_>) -> bool {
-    table.get("study").and_then(|study| study.get_ref().as_str()) == Some("blind")
+pub fn study<'a>(table: &'a DeTable<'_>) -> Option<&'a str> {
+    table.get("study").and_then(|study| study.get_ref().as_str())
 }
 
 /// Refuses a file of another version before its keys are judged by this one's.

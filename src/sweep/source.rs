@@ -5,12 +5,12 @@ use std::path::Path;
 use asami_dataset::{Dataset, Log, Seed, Survey, Truth};
 use asami_sim::robots::aibo::blueprint::URDF;
 
-use crate::binning;
+use crate::binning::{self, Binning};
 use crate::depths;
 use crate::import;
 use crate::report::exhibits::{self, Exhibits};
 use crate::report::scans;
-use crate::scenario::{Part, Recording, Robot, Scenario, Simulation, Study, Window};
+use crate::scenario::{Part, Policy, Recording, Robot, Scenario, Simulation, Study, Window};
 use crate::trial::Case;
 
 /// Makes or reads the log of each case.
@@ -67,6 +67,11 @@ impl Source for Simulated {
         let seed = Seed(case.seed);
         let mut dataset = self.simulation.dataset(seed).map_err(|error| error.to_string())?;
         dataset.truth.survey.get_or_insert_with(|| self.survey.clone());
+        if let Policy::Roam(roams) = &self.simulation.drive
+            && let Some(binning) = &roams.binning
+        {
+            bin(&mut dataset, binning);
+        }
         dataset.provenance = Some(self.scenario.provenance(seed));
         Ok(dataset)
     }
@@ -148,12 +153,17 @@ fn read(recording: &Recording, robot: Option<u16>, path: &Path) -> Result<Datase
         whole.log = depths::ranges(&whole.log, depths.axis_of(place));
     }
     if let Some(binning) = &recording.binning {
-        whole.log = binning.binned(&whole.log);
-        let velocity_by_action =
-            binning::velocities(&whole.log, &whole.truth.track, binning.settle_s.unwrap_or_default());
-        whole.truth.survey = Some(Survey { velocity_by_action, ..whole.truth.survey.unwrap_or_default() });
+        bin(&mut whole, binning);
     }
     Ok(whole)
+}
+
+/// Makes discrete actions of a log's commands; their true velocities are those of the track.
+fn bin(dataset: &mut Dataset, binning: &Binning) {
+    dataset.log = binning.binned(&dataset.log);
+    let velocity_by_action =
+        binning::velocities(&dataset.log, &dataset.truth.track, binning.settle_s.unwrap_or_default());
+    dataset.truth.survey = Some(Survey { velocity_by_action, ..dataset.truth.survey.take().unwrap_or_default() });
 }
 
 /// The log as if there were no landmarks but those of `ids`.

@@ -153,3 +153,26 @@ fn a_planted_effect_is_named_and_repaired() {
     assert!(diagnosis.which.iter().all(|cause| cause.effects != ["command_delay"]), "{:?}", diagnosis.which);
     assert_eq!(folder.join("with_effect.toml").exists(), matches!(diagnosis.verdict, Verdict::Named | Verdict::Tied));
 }
+
+/// With `--real` several effects are named at once, and the scenario is written with all of them.
+#[test]
+fn several_effects_of_a_real_log_are_named_and_repaired() {
+    let bench = Bench::new();
+    let log = bench.log("worn", "1004", &["image_delay.delay_s=0.08", "height_bias.bias_px=1.5"]);
+    let done = bench.diagnose_with(&kept_library(), &log, "real", &["--real"]);
+    assert_eq!(done.status.code(), Some(0), "{}", said(&done.stderr));
+    let folder = bench.path("real");
+    let diagnosis = answer(&folder);
+    let mut named = diagnosis.which[0].effects.clone();
+    named.sort();
+    assert_eq!(named, ["height_bias", "image_delay"], "{:?}", diagnosis.which);
+    let repaired = std::fs::read_to_string(folder.join("with_effect.toml")).expect("written");
+    let Ok(Origin::Simulated(simulation)) = scenario::parse("r", "r.toml", &repaired).map(|it| it.origin) else {
+        panic!("it is a simulated scenario")
+    };
+    let found = [
+        simulation.effects.image_delay.map(|it| it.delay_s / 0.08),
+        simulation.effects.height_bias.map(|it| it.bias_px / 1.5),
+    ];
+    assert!(found.iter().all(|it| it.is_some_and(|ratio| (ratio - 1.0).abs() < 0.2)), "{found:?}");
+}

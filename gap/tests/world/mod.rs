@@ -16,8 +16,9 @@ pub struct Plain {
     pub config: PlainConfig,
     /// How it explores.
     pub exploring: Exploring,
+    /// What stands on the field.
+    pub field: Field,
     effects: Effects,
-    field: Field,
 }
 
 impl Default for Plain {

@@ -4,4 +4,5 @@ pub mod driver;
 pub mod explore;
 pub mod hold;
 pub mod pace;
+pub mod roam;
 pub mod suite;

@@ -7,7 +7,7 @@ effect! {
     /// The friction between feet or tyres and ground is a multiple of the nominal one.
     GroundFriction, "ground_friction",
     "Feet or tyres grip the ground less, or more, than nominally.",
-    Dynamics, StaticMotion, fits ["aibo", "car"],
+    Dynamics, StaticMotion, fits ["aibo", "create", "car"],
     source "rubber on carpet to plastic on lino: coefficients of about 1.0 down to 0.15",
     drawn [ratio: Size { way: Down, least: 0.1, greatest: 0.8 }],
     {

@@ -7,7 +7,7 @@ effect! {
     /// An image shows the world a fixed time before its time stamp; joints are read at the time stamp.
     ImageDelay, "image_delay",
     "Images show the world a fixed time before their time stamps; joint angles are up to date.",
-    Sensing, Timing, fits ["aibo", "plain"],
+    Sensing, Timing, fits ["aibo", "plain", "create"],
     source "camera readout and transfer take 14 to 60 ms",
     drawn [delay_s: Size { way: Up, least: 0.004, greatest: 0.15 }],
     {

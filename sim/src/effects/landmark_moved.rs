@@ -11,7 +11,7 @@ effect! {
     /// One landmark was shifted; the robot still knows its old place.
     LandmarkMoved, "landmark_moved",
     "One landmark does not stand where the robot thinks it does.",
-    Scene, Sensor, fits ["aibo", "plain"],
+    Scene, Sensor, fits ["aibo", "plain", "create"],
     source "a beacon that was bumped into is off by a hand's breadth, one that was put back by hand by up to half a metre",
     drawn [
         distance_m: Size { way: Either, least: 0.01, greatest: 0.8 }, towards_rad: Choice(&[0.0, FRAC_PI_2]),

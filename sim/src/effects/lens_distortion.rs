@@ -7,7 +7,7 @@ effect! {
     /// Barrel (negative) or pincushion (positive) distortion, which the vision does not know of.
     LensDistortion, "lens_distortion",
     "The lens bends what is off its axis inwards (barrel) or outwards.",
-    Sensing, Sensor, fits ["aibo", "plain"],
+    Sensing, Sensor, fits ["aibo", "plain", "create"],
     source "first radial coefficients of small lenses with 60 degrees of view are -0.4 to 0.1",
     drawn [radial: Size { way: Either, least: 0.02, greatest: 0.4 }],
     {

@@ -9,7 +9,7 @@ effect! {
     /// The vision overlooks a share of what it would have recognised.
     MissedSightings, "missed_sightings",
     "The vision overlooks a share of the landmarks that it would have recognised.",
-    Sensing, Noise, fits ["aibo", "plain"],
+    Sensing, Noise, fits ["aibo", "plain", "create"],
     source "the robot of section 4.4.1 reported 9148 landmarks in 26 815 frames; shade and spectators hide more",
     drawn [share: Size { way: Up, least: 0.02, greatest: 0.6 }],
     {

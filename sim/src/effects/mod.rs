@@ -8,6 +8,7 @@ pub mod car_payload;
 pub mod clock_offset;
 pub mod command_delay;
 pub mod command_scale;
+pub mod depth_for_range;
 pub mod drag;
 pub mod dropouts;
 pub mod false_sightings;
@@ -26,6 +27,8 @@ pub mod pan_offset;
 pub mod payload;
 pub mod range_bias;
 pub mod range_noise;
+pub mod range_offset;
+pub mod range_scale;
 pub mod road_grade;
 pub mod rolling_resistance;
 pub mod servo_latency;
@@ -40,9 +43,12 @@ pub mod sweep_motion;
 pub mod throttle_deadband;
 pub mod throttle_delay;
 pub mod tyre_slip;
+pub mod unequal_wheels;
 pub mod vertical_angle_bias;
 pub mod vision_noise;
 pub mod weak_leg;
+pub mod wheel_base;
+pub mod wheel_lag;
 
 use asami_dataset::parameters::{Fault, Parameters};
 
@@ -117,6 +123,9 @@ effects! {
     battery_sag => BatterySag,
     ground_friction => GroundFriction,
     slope => Slope,
+    unequal_wheels => UnequalWheels,
+    wheel_base => WheelBase,
+    wheel_lag => WheelLag,
     payload => Payload,
     short_leg => ShortLeg,
     focal_error => FocalError,
@@ -125,6 +134,9 @@ effects! {
     pan_offset => PanOffset,
     image_delay => ImageDelay,
     height_bias => HeightBias,
+    range_scale => RangeScale,
+    range_offset => RangeOffset,
+    depth_for_range => DepthForRange,
     vision_noise => VisionNoise,
     missed_sightings => MissedSightings,
     false_sightings => FalseSightings,

@@ -6,8 +6,8 @@ use crate::knobs::Knobs;
 effect! {
     /// The head's pan reads a constant too much.
     PanOffset, "pan_offset",
-    "The encoder of the head's pan reads a constant too much.",
-    Sensing, Sensor, fits ["aibo", "plain"],
+    "The encoder of the head's pan, or a fixed sensor's bearing, reads a constant too much.",
+    Sensing, Sensor, fits ["aibo", "plain", "create"],
     source "a servo's horn sits on a spline of 25 teeth, trimmed by hand to a few degrees",
     drawn [offset_rad: Size { way: Either, least: 0.013, greatest: 0.25 }],
     {

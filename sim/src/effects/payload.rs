@@ -7,8 +7,8 @@ effect! {
     /// A load rides on the torso, ahead of its centre or behind it.
     Payload, "payload",
     "The robot carries a load on its back, ahead of its centre or behind.",
-    Dynamics, StaticMotion, fits ["aibo"],
-    source "a radio or a second battery weighs 50 to 200 g, the robot 1.66 kg",
+    Dynamics, StaticMotion, fits ["aibo", "create"],
+    source "a radio or a second battery weighs 50 to 200 g, an Aibo 1.66 kg",
     drawn [mass_kg: Size { way: Up, least: 0.018, greatest: 0.5 }, ahead_m: Choice(&[0.05, -0.05])],
     {
         /// Its mass.

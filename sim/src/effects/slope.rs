@@ -11,7 +11,7 @@ effect! {
     /// The floor is an inclined plane.
     Slope, "slope",
     "The floor rises in one direction.",
-    Dynamics, StaticMotion, fits ["aibo", "plain"],
+    Dynamics, StaticMotion, fits ["aibo", "plain", "create"],
     source "floors of dwellings are off by up to 1 degree, ramps and carpets over cables by 2 to 6",
     drawn [pitch_rad: Size { way: Either, least: 0.005, greatest: 0.1 }, uphill_rad: Choice(&[0.0, FRAC_PI_2])],
     {

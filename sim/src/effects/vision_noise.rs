@@ -8,7 +8,7 @@ effect! {
     /// bearings is.
     VisionNoise, "vision_noise",
     "Dim light: the image is noisier, or what is measured in it where there is no image.",
-    Sensing, Noise, fits ["aibo", "plain"],
+    Sensing, Noise, fits ["aibo", "plain", "create"],
     source "a fourth of the light takes four times the gain, and twice to four times the noise",
     drawn [ratio: Size { way: Up, least: 0.025, greatest: 0.5 }],
     {

@@ -1,5 +1,8 @@
-//! Robots, one folder each.
+//! Robots, one folder each, and what several of them have.
 
+pub mod actuator;
 pub mod aibo;
 pub mod car;
+pub mod create;
+pub mod past;
 pub mod plain;

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use asami_dataset::Beacon;
 use asami_dataset::parameters::Fault;
 use serde::{Deserialize, Serialize};
 
@@ -64,6 +65,16 @@ pub struct Field {
 }
 
 impl Field {
+    /// What a robot is told of its beacons, in order of id.
+    #[must_use]
+    pub fn known(&self) -> Vec<Beacon> {
+        let beacon =
+            |it: &Landmark| Beacon { id: it.id, x_m: it.body.x_m, y_m: it.body.y_m, height_m: Some(it.body.height_m) };
+        let mut beacons: Vec<Beacon> = self.beacons.iter().map(beacon).collect();
+        beacons.sort_by_key(|beacon| beacon.id);
+        beacons
+    }
+
     /// The same field with one beacon, counted from 0 in the order of ids and round again, shifted in world x and y.
     #[must_use]
     pub fn with_moved(&self, moved: Option<(usize, [f64; 2])>) -> Self {

@@ -8,7 +8,7 @@ use asami_sim::scenes::field::Field;
 use asami_sim::survey::Surveying;
 
 use super::super::wire::{self, Wire};
-use super::super::{Origin, Part, Policy, Recording, Robot, Simulation, Study, Window};
+use super::super::{Origin, Part, Policy, Recording, Roams, Robot, Simulation, Study, Window};
 use super::{DURATION, fault, number};
 use asami_sim::ride::Ride;
 
@@ -27,6 +27,12 @@ enum Of {
     Simulations,
     /// Simulations of a car.
     Car,
+    /// Commands that take any value: of recordings, and of a wheeled robot.
+    Commands,
+    /// Simulations of a wheeled robot.
+    Create,
+    /// Simulations of robots with legs, or of the dissertation's own.
+    Legs,
     /// Simulations of robots that see landmarks.
     Landmarks,
 }
@@ -37,10 +43,13 @@ fn keys(wire: &Wire) -> Vec<(&'static str, Of)> {
         ($($of:ident { $($key:ident),* })*) => { [$($((stringify!($key), Of::$of, wire.$key.is_some())),*),*] };
     }
     let all = those_there! {
-        Recordings { windows, format, binning, depths, robots, landmarks }
+        Recordings { windows, format, depths, robots, landmarks }
+        Commands { binning }
         Simulations { duration_s, seeds, first_seed, effects }
         Car { town, car, driving, velodyne, unit, applanix }
-        Landmarks { aibo, plain, suite, camera, field, start, drive, explore, survey }
+        Create { create, roam }
+        Legs { aibo, plain, suite, camera, drive, explore, survey }
+        Landmarks { field, start }
     };
     all.into_iter().filter(|(_, _, is_there)| *is_there).map(|(key, of, _)| (key, of)).collect()
 }
@@ -62,7 +71,7 @@ pub(super) fn origin(wire: &Wire, faults: &mut Vec<Fault>) -> Option<Origin> {
 }
 
 fn recording(wire: &Wire, source: &str, faults: &mut Vec<Fault>) -> Option<Recording> {
-    for (key, _) in keys(wire).into_iter().filter(|(_, of)| *of != Of::Recordings) {
+    for (key, _) in keys(wire).into_iter().filter(|(_, of)| !matches!(of, Of::Recordings | Of::Commands)) {
         fault(faults, key, format!("{key} belongs to simulated scenarios; this one has source = \"{source}\""));
     }
     if source.trim().is_empty() {
@@ -188,7 +197,7 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
     let first_seed = wire.first_seed.unwrap_or(1);
     faults.extend(out_of_range("", &FIRST_SEED, first_seed as f64));
     of_the_robot(wire, robot, faults);
-    let drive = policy(wire, faults);
+    let drive = policy(wire, robot, faults);
     let suite = wire.suite.clone().unwrap_or_default();
     suite.check("suite", faults);
     let plain = wire.plain.clone().unwrap_or_default();
@@ -240,14 +249,34 @@ fn of_the_robot(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) {
         );
         return;
     }
-    let foreign = if robot == Robot::Car { Of::Landmarks } else { Of::Car };
-    for (key, _) in keys(wire).into_iter().filter(|(_, of)| *of == foreign) {
+    if robot == Robot::Create && wire.study != Study::Plane {
+        fault(faults, "robot", format!("robot \"create\" moves in the plane: study \"{study}\" is none of its"));
+    }
+    let foreign: &[Of] = match robot {
+        Robot::Car => &[Of::Commands, Of::Create, Of::Legs, Of::Landmarks],
+        Robot::Create => &[Of::Car, Of::Legs],
+        Robot::Aibo | Robot::Plain => &[Of::Commands, Of::Car, Of::Create],
+    };
+    for (key, _) in keys(wire).into_iter().filter(|(_, of)| foreign.contains(of)) {
         fault(faults, key, format!("{key} is not for robot \"{name}\""));
     }
 }
 
 /// What is studied says how the robot is driven; the keys of another drive are faults.
-fn policy(wire: &Wire, faults: &mut Vec<Fault>) -> Policy {
+fn policy(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Policy {
+    if robot == Robot::Create {
+        let roams = Roams {
+            create: wire.create.clone().unwrap_or_default(),
+            roaming: wire.roam.clone().unwrap_or_default(),
+            binning: wire.binning.clone(),
+        };
+        if let Some(binning) = &roams.binning {
+            binning.check("binning", faults);
+        }
+        roams.create.check("create", faults);
+        roams.roaming.check("roam", faults);
+        return Policy::Roam(Box::new(roams));
+    }
     let study = wire.study.name();
     if wire.study == Study::Car {
         let ride = Ride {

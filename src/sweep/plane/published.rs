@@ -71,7 +71,7 @@ pub fn of(scenario: &Scenario) -> &'static [Published] {
         Origin::Simulated(simulation) => match simulation.robot {
             Robot::Plain => SIMULATED,
             Robot::Aibo => WALKED,
-            Robot::Car => &[],
+            Robot::Create | Robot::Car => &[],
         },
         Origin::Recorded(_) => &[],
     }

@@ -149,7 +149,12 @@ impl Eye {
     /// A frame as stages on its sightings are told of it.
     #[must_use]
     pub fn glance(&self, frame: Frame) -> Glance<'_> {
-        Glance { frame, landmarks: &self.landmarks, view_rad: self.view_rad, heights_px: self.heights_px }
+        Glance {
+            frame,
+            landmarks: &self.landmarks,
+            view_rad: self.view_rad,
+            sizes: self.heights_px.map(Size::HeightPx),
+        }
     }
 
     /// The latest frame; black before the first.

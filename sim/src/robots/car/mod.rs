@@ -1,11 +1,10 @@
 //! A 1999 Isuzu VehiCross in Rapier: pedals and a steering wheel in, everything else by suspension, tyres and engine.
 //!
-//! Once a physics step the commands pass through [`actuators`] into [`drivetrain`] and the [`wheel`]s, whose forces act
+//! Once a physics step the commands pass through [`actuator`](super::actuator) into [`drivetrain`] and the [`wheel`]s, whose forces act
 //! on the rigid body of [`body`]; [`world`] runs that loop. Rapier holds the body, the ground and what can be run into,
 //! and answers the wheels' rays. Its own ray-cast vehicle is not used: its tyres are as stiff as the time step makes
 //! them and its engine switches its brakes off, so that neither slip nor standing still would be physics.
 
-pub mod actuators;
 pub mod blueprint;
 pub mod body;
 pub mod brakes;

@@ -7,7 +7,6 @@ use asami_math::elementary::atan2;
 use nalgebra::Vector3;
 
 use super::BuildError;
-use super::actuators::{Actuator, Late};
 use super::blueprint::Blueprint;
 use super::body::{Body, Controls, Setting, yawed};
 use super::brakes::Brakes;
@@ -16,6 +15,7 @@ use super::drivetrain::Drivetrain;
 use crate::effect::{CommandStage, Stage};
 use crate::effects::Effects;
 use crate::knobs::{GroundKnobs, Knobs, VehicleKnobs};
+use crate::robots::actuator::{Actuator, Late};
 use crate::scenes::solid::Ground;
 use crate::scenes::town::Waypoint;
 use crate::sensors::velodyne::SensorPose;

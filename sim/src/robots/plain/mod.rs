@@ -2,7 +2,6 @@
 //! observation vectors, but not its physical joint angles or camera image".
 
 pub mod config;
-pub mod past;
 pub mod sight;
 pub mod velocities;
 pub mod world;

@@ -1,19 +1,19 @@
 //! The plain robot on a field: the loop from command to pose, and from poses to frames.
 
 use asami_dataset::survey::{self, Height, Survey};
-use asami_dataset::{Action, Beacon, Frame, Known, Rng, Seed, TruePose};
+use asami_dataset::{Action, Beacon, Frame, Known, Rng, Seed, Size, TruePose};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{hypot, sin_cos};
 use rand_distr::{Distribution, StandardNormal};
 
 use super::config::PlainConfig;
-use super::past::Past;
 use super::velocities::{Velocities, Velocity};
 use crate::drives::suite::Suite;
 use crate::effect::{CommandStage, Glance, SightingStage, Stage};
 use crate::effects::Effects;
 use crate::knobs::{EyeKnobs, Knobs};
-use crate::scenes::field::{Field, Landmark};
+use crate::robots::past::Past;
+use crate::scenes::field::Field;
 use crate::survey::Surveying;
 use crate::world::{Record, World};
 
@@ -56,7 +56,7 @@ impl PlainWorld {
         start: TruePose,
         seed: Seed,
     ) -> Self {
-        let beacons = beacons(field);
+        let beacons = field.known();
         let mut world = Self {
             config: config.clone(),
             suite: suite.clone(),
@@ -75,7 +75,7 @@ impl PlainWorld {
             steps: 0,
         };
         let knobs = world.knobs(0.0);
-        world.standing = self::beacons(&field.with_moved(knobs.scene.moved));
+        world.standing = field.with_moved(knobs.scene.moved).known();
         world.eye = knobs.eye;
         for effect in effects.iter() {
             match effect.stage(seed.stream(&format!("effect/{}", effect.about().name))) {
@@ -179,23 +179,14 @@ impl PlainWorld {
         let at = (t_s, pan_reading_rad);
         let mut sightings = sight.look(at, &seen_from, &self.standing, eye, &mut self.sight_rng);
         let frame = Frame { t_s, head_pan_rad: wrap_rad(pan_reading_rad) };
-        let (view_rad, heights_px) = (sight.view_rad, sight.heights_px());
+        let (view_rad, sizes) = (sight.view_rad, sight.heights_px().map(Size::HeightPx));
         for stage in &mut self.sighting_stages {
-            stage(&Glance { frame, landmarks: &self.ids, view_rad, heights_px }, &mut sightings);
+            stage(&Glance { frame, landmarks: &self.ids, view_rad, sizes }, &mut sightings);
         }
         record.seen.frames.push(frame);
         record.seen.sightings.append(&mut sightings);
         record.track.push(self.pose);
     }
-}
-
-/// In the order of their ids.
-fn beacons(field: &Field) -> Vec<Beacon> {
-    let beacon =
-        |it: &Landmark| Beacon { id: it.id, x_m: it.body.x_m, y_m: it.body.y_m, height_m: Some(it.body.height_m) };
-    let mut beacons: Vec<Beacon> = field.beacons.iter().map(beacon).collect();
-    beacons.sort_by_key(|beacon| beacon.id);
-    beacons
 }
 
 impl World for PlainWorld {

@@ -4,6 +4,7 @@ use asami_dataset::{Dataset, Sighting};
 
 use super::*;
 use crate::drives::explore::{Explore, Exploring};
+use crate::scenes::field::Landmark;
 use crate::scenes::field::{Colour, Cylinder};
 use crate::world::run;
 

@@ -1,4 +1,4 @@
-//! Motors that move throttle, brake pedal and steering wheel to where they are told, late and smoothly.
+//! Motors that bring what they move to where they are told, late and smoothly.
 
 use std::collections::VecDeque;
 

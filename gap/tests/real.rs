@@ -1,0 +1,160 @@
+//! Diagnoses as of a real robot's log: of a world noisier than the nominal one, with several things wrong at once.
+
+use std::sync::OnceLock;
+
+use asami_dataset::log::RangeBearing;
+use asami_dataset::{Known, Log, Seed};
+use asami_gap::aside::Aside;
+use asami_gap::diagnosis::{Diagnosis, Verdict};
+use asami_gap::layers::{layers, planted as of_layers};
+use asami_gap::library::{Budget, play};
+use asami_gap::shape::Numbers;
+use asami_gap::view::View;
+use asami_gap::{Library, Planted, Responds, Variant, real};
+
+mod world;
+
+const NAMES: [&str; 4] = ["command_scale", "height_bias", "image_delay", "vision_noise"];
+const LENGTH_S: f64 = 180.0;
+
+fn variants() -> Vec<Variant> {
+    let all = Variant::all("plain", 4, &[]);
+    all.into_iter().filter(|variant| NAMES.contains(&variant.about.name)).collect()
+}
+
+fn library() -> &'static Library {
+    static LIBRARY: OnceLock<Library> = OnceLock::new();
+    LIBRARY.get_or_init(|| {
+        let budget = Budget { nominal_runs: 48, runs: 6, sizes: 4, run_s: 120.0 };
+        Library::learn(&quiet(), &variants(), &budget).unwrap()
+    })
+}
+
+/// A robot whose bearings tell something.
+fn quiet() -> world::Plain {
+    let mut world = world::Plain::default();
+    world.config.sight.sigma2_rad = 0.05;
+    world
+}
+
+/// The same with noise of other sizes: of the motion, of heights, of bearings.
+fn noisy([motion, height, bearing]: [f64; 3]) -> world::Plain {
+    let mut world = quiet();
+    let (of_motion, of_sight) = (&mut world.config.motion, &mut world.config.sight);
+    for sd in [&mut of_motion.right_sd_m, &mut of_motion.forward_sd_m, &mut of_motion.turn_sd_rad] {
+        *sd *= motion;
+    }
+    of_sight.sigma1_px *= height;
+    of_sight.sigma2_rad *= bearing;
+    world
+}
+
+fn planted(name: &str, sign: f64, size: f64) -> Planted {
+    let variant = variants().into_iter().find(|it| it.about.name == name && it.sign == sign).unwrap();
+    Planted { variant, size }
+}
+
+fn log(noise: [f64; 3], planted: &[Planted], seed: u64) -> Log {
+    play(&noisy(noise), planted, Seed(1000 + seed), LENGTH_S).unwrap().log
+}
+
+fn named(diagnosis: &Diagnosis) -> Vec<String> {
+    let mut named = diagnosis.which[0].effects.clone();
+    named.sort();
+    named
+}
+
+/// Noise that is another than nominally is no cause, and is found as large as it is, within what a quarter of the log tells.
+#[test]
+fn what_is_noisier_than_its_simulator_has_no_gap() {
+    for (noise, seed) in [([1.0, 1.0, 1.0], 0), ([1.5, 1.4, 1.5], 1), ([1.0, 2.0, 0.6], 2)] {
+        let log = log(noise, &[], seed);
+        let diagnosis = real::diagnose(library(), &variants(), &log).unwrap();
+        assert_eq!(diagnosis.verdict, Verdict::None, "{noise:?}: {:?}", diagnosis.which);
+        let noisy = library().noisy_as(&log, Aside::default(), &[]).unwrap();
+        let shape = &library().base.shape;
+        for (group, ratio) in [(Numbers::SizeNoise, noise[1]), (Numbers::BearingNoise, noise[2])] {
+            let at = shape.range(group).start;
+            let found = (noisy.base.numbers[at] - library().base.numbers[at]).exp();
+            assert!((found / ratio - 1.0).abs() < 0.2, "{noise:?}: {found}, not {ratio}");
+        }
+    }
+}
+
+/// Three things wrong at once in a noisier world: all are named, nothing else, near their sizes; and the gap closes.
+#[test]
+fn several_effects_are_named_one_beside_another() {
+    let wrong =
+        [planted("command_scale", -1.0, 0.12), planted("image_delay", 1.0, 0.08), planted("height_bias", 1.0, 1.5)];
+    for seed in 10..13 {
+        let diagnosis = real::diagnose(library(), &variants(), &log([1.3, 1.3, 1.4], &wrong, seed)).unwrap();
+        assert_eq!(named(&diagnosis), ["command_scale", "height_bias", "image_delay"], "seed {seed}");
+        assert_eq!(diagnosis.verdict, Verdict::Named, "seed {seed}");
+        for (name, expected) in
+            [("command_scale.y_ratio", 0.88), ("image_delay.delay_s", 0.08), ("height_bias.bias_px", 1.5)]
+        {
+            let Some(found) = diagnosis.which[0].parameters.get(name) else { panic!("{:?}", diagnosis.which[0]) };
+            assert!((found.value / expected - 1.0).abs() < 0.15, "seed {seed}: {name} {found:?}");
+        }
+        let closed = diagnosis.how_far.closed.unwrap();
+        assert!(closed > 0.9, "seed {seed}: {closed}");
+        let sum: f64 = diagnosis.which.iter().map(|cause| cause.probability).sum();
+        assert!((sum - 1.0).abs() < 0.02, "seed {seed}: {sum}");
+    }
+}
+
+/// What noise was learned from is not asked again.
+#[test]
+fn what_is_set_aside_is_not_scored() {
+    let log = log([1.0; 3], &[planted("command_scale", -1.0, 0.1)], 20);
+    let aside = Aside::default();
+    let noisy = library().noisy_as(&log, aside, &[]).unwrap();
+    let (all, rest) = (library().judge(&log).unwrap(), noisy.judge(&log).unwrap());
+    let scored: Vec<f64> = rest.steps().iter().map(|step| step.t_s).collect();
+    assert!(scored.iter().all(|t_s| !aside.holds(*t_s)));
+    let share = scored.len() as f64 / all.steps().len() as f64;
+    // Blocks of 20 s, of 180 s: three of nine.
+    assert!((share - 6.0 / 9.0).abs() < 0.03, "{share}");
+    assert_eq!(rest.read(&rest.numbers(&[])).log_likelihoods.len(), scored.len());
+    let found = layers(&*rest, &variants(), 10.0, 0.0);
+    assert_eq!(of_layers(&found).len(), 1, "{found:?}");
+}
+
+/// A log with more landmarks than the nominal world has says nothing of the others' places, and breaks nothing.
+#[test]
+fn a_log_may_have_more_landmarks_than_the_nominal_world() {
+    let mut crowded = quiet();
+    let mut more = crowded.field.beacons[0].clone();
+    for id in 10..14 {
+        more.id = id;
+        more.body.x_m = 0.4 * f64::from(id) - 5.0;
+        crowded.field.beacons.push(more.clone());
+    }
+    let log = play(&crowded, &[], Seed(1030), LENGTH_S).unwrap().log;
+    let judge = library().judge(&log).unwrap();
+    assert!(judge.log_likelihood(&[]).is_finite());
+    assert!(judge.log_likelihood(&[planted("image_delay", 1.0, 0.05)]).is_finite());
+}
+
+/// Distances and bearings are from where the log says that the sensor sits, however the robot is turned.
+#[test]
+fn a_sensor_off_the_centre_sees_from_where_it_is() {
+    let log = log([1.0; 3], &[], 31);
+    let range_bearing = Some(RangeBearing { max_range_m: 20.0, sensor_origin_m: [0.1, 0.3] });
+    let known = Known { range_bearing, ..(*log.known).clone() };
+    let view = View::new(&Log { known: known.into(), ..log }, &library().base.shape.columns).unwrap();
+    for theta_rad in [0.0, 1.0, -2.5_f64] {
+        let (sin, cos) = theta_rad.sin_cos();
+        let from = [0.2 + 0.1 * cos - 0.3 * sin, -0.4 + 0.1 * sin + 0.3 * cos];
+        let sight = view.sight(0, 2, [0.2, -0.4, theta_rad], [0.0; 2]);
+        let [dx, dy] = [0, 1].map(|k| view.landmarks[2][k] - from[k]);
+        assert!((sight.distance_m - dx.hypot(dy)).abs() < 1e-12);
+        let bearing_rad = (-dx).atan2(dy) - theta_rad;
+        assert!(((sight.bearing_rad - bearing_rad) / std::f64::consts::TAU).fract().abs() < 1e-12);
+        // How its place changes with the heading.
+        let h = 1e-6;
+        let [less, more] = [-h, h].map(|h| view.out(theta_rad + h).0);
+        let swung = view.out(theta_rad).1;
+        assert!((0..2).all(|k| ((more[k] - less[k]) / (2.0 * h) - swung[k]).abs() < 1e-8));
+    }
+}

@@ -1,0 +1,157 @@
+use asami_dataset::{Dataset, Sighting};
+use asami_math::elementary::hypot;
+
+use super::*;
+use crate::scenes::field::{Colour, Cylinder, Landmark};
+use crate::world::{Drive, Seen, run};
+
+/// One command for good.
+struct Always(Action);
+
+impl Drive for Always {
+    fn act(&mut self, _t_s: f64, _seen: &Seen) -> Action {
+        self.0
+    }
+}
+
+/// Without chance.
+fn exact() -> CreateConfig {
+    let mut config = CreateConfig::default();
+    config.wheels.jitter_m_per_s = 0.0;
+    config.sight.sigma1_m = 0.0;
+    config.sight.sigma2_rad = 0.0;
+    config.sight.recognised = 1.0;
+    config
+}
+
+fn drive(config: &CreateConfig, effects: &Effects, [v_m_per_s, omega_rad_per_s]: [f64; 2], until_s: f64) -> Dataset {
+    let bands = [Colour::Pink, Colour::Yellow];
+    let body = Cylinder { x_m: 0.0, y_m: 5.0, radius_m: 0.05, base_m: 0.0, height_m: 0.2, bands };
+    let field = Field { beacons: vec![Landmark { id: 6, body }], clutter: Vec::new() };
+    let start = TruePose { t_s: 0.0, x_m: 0.0, y_m: 0.0, theta_rad: 0.0, v_m_per_s: None };
+    let mut world = CreateWorld::new(config, &field, effects, start, Seed(1000)).unwrap();
+    run(&mut world, &mut Always(Action::Wheels { id: None, v_m_per_s, omega_rad_per_s }), until_s)
+}
+
+fn effects(of: &[(&str, &str, f64)]) -> Effects {
+    let mut effects = Effects::default();
+    assert!(of.iter().all(|(name, parameter, value)| effects.set(name, parameter, *value)));
+    effects
+}
+
+/// Mean velocities from 2 s on: rightward, forward, turning.
+fn velocity(log: &Dataset) -> [f64; 3] {
+    let track: Vec<&TruePose> = log.truth.track.iter().filter(|pose| pose.t_s > 2.0).collect();
+    let (mut sum, mut t_s) = ([0.0; 3], 0.0);
+    for pair in track.windows(2) {
+        let (dx, dy) = (pair[1].x_m - pair[0].x_m, pair[1].y_m - pair[0].y_m);
+        let turned = wrap_rad(pair[1].theta_rad - pair[0].theta_rad);
+        let (sin, cos) = asami_math::elementary::sin_cos(pair[0].theta_rad + 0.5 * turned);
+        for (sum, moved) in sum.iter_mut().zip([dx * cos + dy * sin, dy * cos - dx * sin, turned]) {
+            *sum += moved;
+        }
+        t_s += pair[1].t_s - pair[0].t_s;
+    }
+    sum.map(|it| it / t_s)
+}
+
+/// Rolling wheels make of commands what a differential drive does (Borenstein and Feng 1996), whatever the speed.
+#[test]
+fn the_robot_does_as_it_is_told() {
+    for [v, omega] in [[0.3, 0.0], [0.1, 0.0], [-0.2, 0.0], [0.0, 0.8], [0.0, -0.4], [0.25, 0.5], [0.2, -0.6]] {
+        let [right, forward, turn] = velocity(&drive(&exact(), &Effects::default(), [v, omega], 8.0));
+        assert!(right.abs() < 5e-4, "{v} {omega}: slides sideways at {right}");
+        assert!((forward - v).abs() < 5e-4 + 2e-3 * v.abs(), "{v} {omega}: {forward}");
+        assert!((turn - omega).abs() < 1e-3 + 3e-3 * omega.abs(), "{v} {omega}: {turn}");
+    }
+}
+
+#[test]
+fn the_robot_weighs_what_its_urdf_says_and_stands_still() {
+    let log = drive(&exact(), &Effects::default(), [0.0, 0.0], 10.0);
+    let last = log.truth.track.last().unwrap();
+    assert!(hypot(last.x_m, last.y_m) < 1e-3 && last.theta_rad.abs() < 1e-3, "{last:?}");
+    let start = TruePose { t_s: 0.0, x_m: 0.0, y_m: 0.0, theta_rad: 0.0, v_m_per_s: None };
+    let world = CreateWorld::new(&exact(), &Field::default(), &Effects::default(), start, Seed(1)).unwrap();
+    assert!((world.body().mass_kg() - 4.1).abs() < 1e-4, "{}", world.body().mass_kg());
+}
+
+/// No wheel is faster than its motor: of a command for more, the turn is lost.
+#[test]
+fn a_command_beyond_the_wheels_limit_is_cut() {
+    let [_, forward, _] = velocity(&drive(&exact(), &Effects::default(), [0.8, 0.0], 6.0));
+    assert!((forward - 0.5).abs() < 5e-3, "{forward}");
+}
+
+/// A larger right wheel is faster: the robot bends to the left by the difference of the speeds over the base.
+#[test]
+fn unequal_wheels_make_an_arc_of_a_straight_line() {
+    let [_, forward, turn] =
+        velocity(&drive(&exact(), &effects(&[("unequal_wheels", "ratio", 1.02)]), [0.3, 0.0], 8.0));
+    assert!((forward - 0.3).abs() < 3e-3, "{forward}");
+    let expected = 0.3 * 0.02 / 1.01 / 0.258;
+    assert!((turn - expected).abs() < 0.05 * expected, "{turn} {expected}");
+}
+
+/// Wheels farther apart than thought turn the robot less, and leave straight lines alone.
+#[test]
+fn a_wider_base_turns_less() {
+    let wide = effects(&[("wheel_base", "ratio", 1.1)]);
+    let [_, _, turn] = velocity(&drive(&exact(), &wide, [0.0, 0.5], 8.0));
+    assert!((turn - 0.5 / 1.1).abs() < 0.01, "{turn}");
+    let [_, forward, turn] = velocity(&drive(&exact(), &wide, [0.3, 0.0], 8.0));
+    assert!((forward - 0.3).abs() < 3e-3 && turn.abs() < 2e-3, "{forward} {turn}");
+}
+
+/// From rest, a time constant later 1 - 1/e of the speed is there.
+#[test]
+fn a_lag_takes_its_time() {
+    let speed_at = |lag_s: f64, t_s: f64| {
+        let log = drive(&exact(), &effects(&[("wheel_lag", "lag_s", lag_s)]), [0.3, 0.0], 3.0);
+        let at = |t_s: f64| log.truth.track.iter().find(|pose| pose.t_s >= t_s - 1e-9).unwrap().y_m;
+        (at(t_s + 0.04) - at(t_s - 0.04)) / 0.08
+    };
+    let (lag_s, own_s) = (0.4, CreateConfig::default().wheels.lag_s);
+    let share = speed_at(lag_s, lag_s + own_s) / 0.3;
+    assert!((share - 0.632).abs() < 0.05, "{share}");
+}
+
+/// On a slope of ice wheels hold nothing.
+#[test]
+fn without_grip_the_robot_slides_downhill() {
+    let ice = effects(&[("ground_friction", "ratio", 0.1), ("slope", "pitch_rad", 0.14)]);
+    let slid = drive(&exact(), &ice, [0.0, 0.0], 4.0);
+    let grips = drive(&exact(), &effects(&[("slope", "pitch_rad", 0.14)]), [0.0, 0.0], 4.0);
+    let down_m = |log: &Dataset| -log.truth.track.last().unwrap().y_m;
+    assert!(down_m(&slid) > 0.5 && down_m(&grips).abs() < 0.1, "{} {}", down_m(&slid), down_m(&grips));
+}
+
+fn last(log: &Dataset) -> Sighting {
+    *log.log.sightings.last().unwrap()
+}
+
+/// What is reported is where the landmark is from the sensor; each effect of the sensor in its own way.
+#[test]
+fn ranges_and_bearings_are_the_sensors() {
+    let mut config = exact();
+    config.sight.ahead_m = 0.2;
+    config.sight.view_rad = 2.0;
+    let turned = [0.0, 0.1];
+    let nominal = drive(&config, &Effects::default(), turned, 6.0);
+    let (pose, seen) = (nominal.truth.track.last().unwrap(), last(&nominal));
+    let (sin, cos) = asami_math::elementary::sin_cos(pose.theta_rad);
+    let (right_m, ahead_m) = (0.0 - pose.x_m + 0.2 * sin, 5.0 - pose.y_m - 0.2 * cos);
+    let (range_m, bearing_rad) = (hypot(right_m, ahead_m), wrap_rad(atan2(-right_m, ahead_m) - pose.theta_rad));
+    assert!((seen.size.value() - range_m).abs() < 1e-9 && (seen.bearing_rad - bearing_rad).abs() < 1e-9);
+    assert!(bearing_rad < -0.4, "a bearing at which range and depth differ: {bearing_rad}");
+
+    let with = |name, parameter, value| last(&drive(&config, &effects(&[(name, parameter, value)]), turned, 6.0));
+    let depth = with("depth_for_range", "share", 1.0).size.value();
+    assert!((depth - range_m * asami_math::elementary::cos(bearing_rad)).abs() < 1e-9);
+    assert!((with("range_scale", "ratio", 1.05).size.value() - 1.05 * range_m).abs() < 1e-9);
+    assert!((with("range_offset", "offset_m", -0.1).size.value() - (range_m - 0.1)).abs() < 1e-9);
+    assert!((with("pan_offset", "offset_rad", 0.1).bearing_rad - (bearing_rad + 0.1)).abs() < 1e-9);
+    // The robot turned to the left by 0.1 rad/s: what is seen late is seen from farther right, farther to the left.
+    let late = with("image_delay", "delay_s", 0.25).bearing_rad;
+    assert!((late - (bearing_rad + 0.025)).abs() < 3e-3, "{late} {bearing_rad}");
+}

@@ -1,0 +1,9 @@
+//! Logs of real robots, each held against a nominal world and then against what motion capture shows: `study = "real"`.
+//!
+//! A diagnosis is given the log alone. What [`capture`] shows of the true track stands beside it afterwards.
+
+pub mod capture;
+pub mod odometry;
+pub mod scenario;
+pub mod tables;
+pub mod walk;

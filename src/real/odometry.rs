@@ -1,0 +1,75 @@
+//! Odometry that stands in for commands: its noise is averaged away.
+//!
+//! A speed that was measured is off by a noise of its own at every reading. Taken for what was commanded, it would make a
+//! robot seem to do less than it is told, the more so the shorter the time over which it is looked at (regression dilution,
+//! Spearman 1904); a robot's own speed changes slowly.
+
+use asami_dataset::{Action, Command, Log};
+
+/// The log with each wheel command the mean of those in force within `over_s` about it.
+#[must_use]
+pub fn averaged(log: &Log, over_s: f64) -> Log {
+    let given = &log.commands;
+    // Way and turn commanded until each row.
+    let mut sums = vec![[0.0; 2]];
+    for pair in given.windows(2) {
+        let (last, held_s) = (sums[sums.len() - 1], pair[1].t_s - pair[0].t_s);
+        let [v, omega] = wheels(&pair[0].action);
+        sums.push([last[0] + held_s * v, last[1] + held_s * omega]);
+    }
+    let until = |t_s: f64| {
+        let i = given.partition_point(|row| row.t_s <= t_s).saturating_sub(1);
+        let ([v, omega], held_s) = (wheels(&given[i].action), t_s - given[i].t_s);
+        [sums[i][0] + held_s * v, sums[i][1] + held_s * omega]
+    };
+    let (Some(first), Some(last)) = (given.first(), given.last()) else { return log.clone() };
+    let mean = |row: &Command| {
+        let ends_s = [row.t_s - 0.5 * over_s, row.t_s + 0.5 * over_s].map(|t_s| t_s.clamp(first.t_s, last.t_s));
+        let ([a, b], length_s) = (ends_s.map(until), ends_s[1] - ends_s[0]);
+        match row.action {
+            Action::Wheels { id, .. } if length_s > 0.0 => {
+                let [v_m_per_s, omega_rad_per_s] = [0, 1].map(|k| (b[k] - a[k]) / length_s);
+                Command { t_s: row.t_s, action: Action::Wheels { id, v_m_per_s, omega_rad_per_s } }
+            }
+            _ => *row,
+        }
+    };
+    Log { commands: given.iter().map(mean).collect::<Vec<_>>().into(), ..log.clone() }
+}
+
+/// Speed and turning rate.
+fn wheels(action: &Action) -> [f64; 2] {
+    match *action {
+        Action::Wheels { v_m_per_s, omega_rad_per_s, .. } => [v_m_per_s, omega_rad_per_s],
+        Action::Legs { .. } | Action::Pedals { .. } => [0.0; 2],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn log(speeds: impl Iterator<Item = f64>) -> Log {
+        let row = |(i, v): (i32, f64)| Command {
+            t_s: 0.1 * f64::from(i),
+            action: Action::Wheels { id: None, v_m_per_s: v, omega_rad_per_s: -2.0 * v },
+        };
+        Log { commands: (0..).zip(speeds).map(row).collect::<Vec<_>>().into(), ..Log::default() }
+    }
+
+    /// What alternates is gone; what is steady, or grows evenly but for half a reading's hold, stays.
+    #[test]
+    fn noise_is_averaged_away_and_speed_is_not() {
+        let noisy = averaged(&log((0..100).map(|i| 0.3 + if i % 2 == 0 { 0.1 } else { -0.1 })), 1.0);
+        for row in &noisy.commands[5..95] {
+            let [v, omega] = wheels(&row.action);
+            assert!((v - 0.3).abs() < 1e-9 && (omega + 0.6).abs() < 1e-9, "{row:?}");
+        }
+        let growing = averaged(&log((0..100).map(|i| 0.01 * f64::from(i))), 1.0);
+        for (i, row) in (0..).zip(growing.commands.iter()).skip(6).take(88) {
+            assert!((wheels(&row.action)[0] - (0.01 * f64::from(i) - 0.005)).abs() < 1e-9, "{row:?}");
+        }
+        let empty = Log::default();
+        assert_eq!(averaged(&empty, 1.0), empty);
+    }
+}

@@ -1,0 +1,164 @@
+//! A scenario of real logs: `study = "real"` in a TOML file.
+
+use std::path::Path;
+
+use asami_dataset::parameters::Fault;
+use serde::{Deserialize, Serialize};
+
+use crate::import;
+use crate::scenario::{Bad, wire};
+
+/// A checked scenario.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Real {
+    /// The file's name without its extension.
+    pub name: String,
+    /// What is asked.
+    pub asked: Asked,
+}
+
+/// What is asked, as it stands in the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Asked {
+    /// Version of the format.
+    pub schema: i64,
+    /// `real`.
+    pub study: String,
+    /// The question.
+    pub about: String,
+    /// The logs.
+    pub logs: Vec<Source>,
+}
+
+/// Where logs come from, and what they are held against.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Source {
+    /// Their name in tables.
+    pub name: String,
+    /// Path of the recording, from the project's root.
+    pub source: String,
+    /// Its format: the name of an importer.
+    pub format: String,
+    /// The robots whose logs are taken, of a recording of several.
+    pub robots: Option<Vec<u16>>,
+    /// The scenario of the nominal world: a shipped one's name.
+    pub nominal: String,
+    /// Odometry stands in for commands, and is averaged over so long: see [`super::odometry`].
+    pub average_s: Option<f64>,
+}
+
+/// Reads and checks a scenario of real logs; `None` where the file asks another kind of question, or is no TOML at all, which
+/// [`crate::scenario::read`] says better.
+///
+/// # Errors
+/// [`Bad`] shows where in the file what rule is broken by which value.
+pub fn read(path: &Path) -> Result<Option<Real>, Bad> {
+    let Ok(text) = std::fs::read_to_string(path) else { return Ok(None) };
+    let shown = path.display().to_string();
+    let name = path.file_stem().map_or_else(|| shown.clone(), |stem| stem.to_string_lossy().into_owned());
+    parse(&name, &shown, &text)
+}
+
+/// Checks the text of a scenario of real logs; `shown` is the file's name in errors.
+///
+/// # Errors
+/// [`Bad`] shows where in the text what rule is broken by which value.
+pub fn parse(name: &str, shown: &str, text: &str) -> Result<Option<Real>, Bad> {
+    let Ok(table) = toml::de::DeTable::parse(text) else { return Ok(None) };
+    if wire::study(table.get_ref()) != Some("real") {
+        return Ok(None);
+    }
+    wire::check_schema(table.get_ref()).map_err(|fault| Bad::faults(shown, text, &table, &[fault]))?;
+    let asked: Asked = toml::from_str(text).map_err(|error| Bad::syntax(shown, text, &error))?;
+    let faults = asked.faults();
+    if faults.is_empty() {
+        Ok(Some(Real { name: name.to_owned(), asked }))
+    } else {
+        Err(Bad::faults(shown, text, &table, &faults))
+    }
+}
+
+impl Asked {
+    fn faults(&self) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        let mut fault = |path: String, message: String| faults.push(Fault { path, message });
+        if self.about.trim().is_empty() {
+            fault("about".into(), "about must state the question that the scenario asks, not nothing".into());
+        }
+        if self.logs.is_empty() {
+            fault("logs".into(), "logs must hold at least one".into());
+        }
+        let formats = import::catalogue();
+        for (i, log) in self.logs.iter().enumerate() {
+            let at = |key: &str| format!("logs.{i}.{key}");
+            if self.logs[..i].iter().any(|it| it.name == log.name) {
+                fault(at("name"), format!("each log must have a name of its own; {} is taken", log.name));
+            }
+            let Some(importer) = formats.iter().find(|it| it.name == log.format) else {
+                let names: Vec<_> = formats.iter().map(|importer| format!("`{}`", importer.name)).collect();
+                fault(at("format"), format!("unknown format `{}`, expected one of {}", log.format, names.join(", ")));
+                continue;
+            };
+            if let Some(average_s) = log.average_s.filter(|it| !(0.01..=10.0).contains(it)) {
+                fault(at("average_s"), format!("average_s must lie in 0.01..=10 s, not {average_s}"));
+            }
+            let robots = log.robots.as_deref().unwrap_or_default();
+            let holds = importer.robots();
+            if let Some(robot) = robots.iter().find(|robot| !holds.contains(robot)) {
+                fault(at("robots"), format!("a {} source has no robot {robot}", log.format));
+            }
+            if robots.is_empty() && !holds.is_empty() {
+                fault(at("format"), format!("of a {} source, robots must say whose logs", log.format));
+            }
+        }
+        faults
+    }
+}
+
+impl Real {
+    /// `blake3:` and the hash of everything that bears on a diagnosis: not the prose.
+    #[must_use]
+    pub fn hash(&self) -> String {
+        let mut bearing = self.clone();
+        bearing.asked.about.clear();
+        // Serialising to memory fails only for maps with keys that are no strings: there are none.
+        let bytes = serde_json::to_vec(&bearing).unwrap_or_default();
+        format!("blake3:{}", blake3::hash(&bytes).to_hex())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "schema = 1\nstudy = \"real\"\nabout = \"What parts them?\"\n[[logs]]\nname = \"m\"\nsource = \"x\"\n\
+                        format = \"mrclam\"\nrobots = [1, 2]\nnominal = \"create\"\n";
+
+    #[test]
+    fn a_scenario_of_real_logs_is_read_and_others_are_left_to_others() {
+        let real = parse("r", "r.toml", TEXT).unwrap().unwrap();
+        assert_eq!(real.asked.logs[0].robots, Some(vec![1, 2]));
+        assert_eq!(parse("r", "r.toml", &TEXT.replace("\"real\"", "\"line\"")).unwrap(), None);
+        assert_eq!(parse("r", "r.toml", "no = [toml").unwrap(), None);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_place() {
+        let said = |from: &str, to: &str| {
+            let bad = parse("r", "r.toml", &TEXT.replace(from, to)).unwrap_err();
+            format!("{:?}", miette::Report::new(bad))
+        };
+        assert!(said("\"mrclam\"", "\"clam\"").contains("unknown format `clam`"));
+        assert!(said("nominal =", "average_s = 0.0\nnominal =").contains("average_s must lie in 0.01..=10 s, not 0"));
+        assert!(said("[1, 2]", "[1, 9]").contains("a mrclam source has no robot 9"));
+        assert!(said("robots = [1, 2]\n", "").contains("robots must say whose logs"));
+        assert!(said("What parts them?", " ").contains("about must state the question"));
+        assert!(said("nominal", "nominel").contains("nominel"));
+        assert!(said("schema = 1", "schema = 2").contains("schema must be 1"));
+        let twice = format!("{TEXT}[[logs]]\nname = \"m\"\nsource = \"y\"\nformat = \"av21\"\nnominal = \"car\"\n");
+        let said = format!("{:?}", miette::Report::new(parse("r", "r.toml", &twice).unwrap_err()));
+        assert!(said.contains("each log must have a name of its own"), "{said}");
+    }
+}

@@ -1,0 +1,239 @@
+//! What is written of real logs: `trials.csv`, `parameters.csv`, the table `real`, diagnoses, the report.
+
+use std::path::Path;
+
+use asami_dataset::store::number;
+use asami_gap::Diagnosis;
+use asami_gap::diagnosis::Cause;
+
+use super::walk::{Part, Record, Results};
+use crate::diagnose::words;
+use crate::report::sweep::made_with;
+use crate::report::{Cell, Report, RowKind, Section, Table};
+use crate::sweep::cases::write_whole;
+use crate::sweep::rows::{optional, push};
+use crate::sweep::{CannotSweep, Finished, manifest};
+
+/// Columns of `trials.csv`.
+pub const TRIALS: &str = "scenario,log,robot,part,verdict,effects_named,probability,unknown,unknown_block,excess_before,\
+                          excess_after,closed,closed_low,closed_high,halves_agree,main_of_motion,error";
+
+/// Columns of `parameters.csv`.
+pub const PARAMETERS: &str = "scenario,log,robot,part,parameter,value,low,high,capture";
+
+/// Writes every file under `out`.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, CannotSweep> {
+    let write = |name: &str, text: &str| write_whole(&out.join(name), text.as_bytes());
+    write("trials.csv", &trials(results))?;
+    write("parameters.csv", &parameters(results))?;
+    write("timings.csv", &timings(results))?;
+    let tables = [("real", logs(results)), ("real_parameters", held(results))];
+    for (name, table) in &tables {
+        write(&format!("{name}.csv"), &table.csv())?;
+        write(&format!("{name}.md"), &table.markdown())?;
+    }
+    let folder = out.join("diagnoses");
+    std::fs::create_dir_all(&folder).map_err(CannotSweep::file("make", &folder))?;
+    for (record, diagnosis) in results.records.iter().filter_map(|it| Some((it, it.diagnosis.as_ref()?))) {
+        let path = folder.join(format!("{}.json", record.name()));
+        let text = serde_json::to_string_pretty(diagnosis).map_err(std::io::Error::other);
+        write_whole(&path, (text.map_err(CannotSweep::file("serialise", &path))? + "\n").as_bytes())?;
+    }
+    let (name, about) = (&results.real.name, &results.real.asked.about);
+    let counts = (results.records.len(), results.records.len());
+    let manifest = manifest::of((name, results.real.hash()), counts, program);
+    let path = out.join("manifest.json");
+    let text = serde_json::to_string_pretty(&manifest).map_err(std::io::Error::other);
+    write("manifest.json", &(text.map_err(CannotSweep::file("serialise", &path))? + "\n"))?;
+    let mut report = Report::new(name, about);
+    for (_, table) in &tables {
+        report = report.section(Section::new(&table.name).table(table.clone()));
+    }
+    for record in &results.records {
+        let said = record.diagnosis.as_ref().map_or_else(|| record.error.clone(), words::text);
+        report = report.section(Section::new(&record.name()).folded().text(said));
+    }
+    made_with(report, &manifest)
+        .write(&out.join("report.html"))
+        .map_err(|error| CannotSweep::file("write", &error.path)(error.source))?;
+    let shown: String = tables.iter().map(|(_, table)| format!("\n{}", table.markdown())).collect();
+    let broken = results.records.iter().filter(|record| !record.error.is_empty());
+    let errors: String = broken.map(|record| format!("\nERROR: {}: {}", record.name(), record.error)).collect();
+    Ok(Finished { text: format!("{about}\n{shown}{errors}\n"), has_errors: !errors.is_empty() })
+}
+
+/// The cause that is said: the most probable that names effects.
+fn said(diagnosis: &Diagnosis) -> Option<&Cause> {
+    let named = |cause: &&Cause| !cause.effects.iter().any(|it| it == "none" || it == "unknown");
+    diagnosis.which.iter().find(named)
+}
+
+fn unknown(diagnosis: &Diagnosis) -> Option<&Cause> {
+    diagnosis.which.iter().find(|cause| cause.effects.iter().any(|it| it == "unknown"))
+}
+
+/// The same verdict in both halves, with the same first effect.
+fn halves_agree(results: &Results, record: &Record) -> Option<bool> {
+    let half = |part: Part| {
+        let same = |it: &&Record| it.log == record.log && it.robot == record.robot && it.part == part;
+        let found = results.records.iter().find(same)?.diagnosis.as_ref()?;
+        Some((found.verdict, said(found).and_then(|cause| cause.effects.first())))
+    };
+    (record.part == Part::Whole).then_some(())?;
+    Some(half(Part::FirstHalf)? == half(Part::SecondHalf)?)
+}
+
+fn head(results: &Results, record: &Record) -> Vec<String> {
+    let robot = record.robot.map_or_else(String::new, |robot| robot.to_string());
+    vec![results.real.name.clone(), record.log.clone(), robot, record.part.name().to_owned()]
+}
+
+fn trials(results: &Results) -> String {
+    let mut text = format!("{TRIALS}\n");
+    for record in &results.records {
+        let diagnosis = record.diagnosis.as_ref();
+        let cause = diagnosis.and_then(said);
+        let rest = diagnosis.and_then(unknown);
+        let far = diagnosis.map(|it| &it.how_far);
+        let interval = far.and_then(|it| it.interval);
+        let mut row = head(results, record);
+        row.extend([
+            diagnosis.map_or_else(String::new, |it| it.verdict.name().to_owned()),
+            cause.map_or_else(String::new, |it| it.effects.join("+")),
+            optional(cause.map(|it| it.probability)),
+            optional(rest.map(|it| it.probability)),
+            rest.and_then(|it| it.block.clone()).unwrap_or_default(),
+            optional(far.map(|it| it.excess_before)),
+            optional(far.map(|it| it.excess_after)),
+            optional(far.and_then(|it| it.closed)),
+            optional(interval.map(|it| it[0])),
+            optional(interval.map(|it| it[1])),
+            halves_agree(results, record).map_or_else(String::new, |it| it.to_string()),
+            record.shares.first().map_or_else(String::new, |(name, _)| name.clone()),
+            record.error.clone(),
+        ]);
+        push(&mut text, &row);
+    }
+    text
+}
+
+fn parameters(results: &Results) -> String {
+    let mut text = format!("{PARAMETERS}\n");
+    for record in &results.records {
+        let named = record.diagnosis.as_ref().and_then(said).map(|cause| &cause.parameters);
+        for (parameter, estimate) in named.into_iter().flatten() {
+            let [low, high] = estimate.interval;
+            let mut row = head(results, record);
+            row.extend([parameter.clone(), number(estimate.value), number(low), number(high)]);
+            row.push(optional(record.capture.get(parameter).copied()));
+            push(&mut text, &row);
+        }
+    }
+    text
+}
+
+fn timings(results: &Results) -> String {
+    let mut text = String::from("scenario,log,robot,part,diagnosis_s\n");
+    for record in &results.records {
+        let mut row = head(results, record);
+        row.push(number(record.timing.trials_s.iter().sum()));
+        push(&mut text, &row);
+    }
+    text
+}
+
+fn robot(record: &Record) -> Cell {
+    record.robot.map_or_else(Cell::default, |robot| Cell::number(f64::from(robot), 0))
+}
+
+/// One row for each log, with what is named and how far it goes.
+fn logs(results: &Results) -> Table {
+    let heads = [
+        "log",
+        "robot",
+        "verdict",
+        "effects",
+        "closed",
+        "95 % interval",
+        "unknown",
+        "halves agree",
+        "off most by capture",
+    ];
+    let mut table = Table::new("Real logs", &heads).caption(
+        "Effects in the order in which they are named, the most evident first. Closed: the share of the gap, on held-out blocks, \
+         that they close; unknown: the share that remains, and the flexible block that it shows in. By motion capture: the \
+         discrepancy of motion that by itself explains most (scale of speeds, bend of straight lines, delay, lag), and its share.",
+    );
+    for record in results.records.iter().filter(|record| record.part == Part::Whole) {
+        let Some(diagnosis) = &record.diagnosis else {
+            let empty = std::iter::repeat_n(Cell::default(), heads.len() - 4);
+            let cells = [record.log.clone().into(), robot(record), "error".into(), record.error.clone().into()];
+            table = table.row(RowKind::Ours, cells.into_iter().chain(empty));
+            continue;
+        };
+        let far = &diagnosis.how_far;
+        let interval = far.interval.map_or_else(String::new, |[low, high]| format!("{low:.2} to {high:.2}"));
+        let rest = unknown(diagnosis);
+        let remains = rest.map_or_else(String::new, |it| {
+            let block = it.block.as_deref().unwrap_or_default().replace('_', " ");
+            if it.probability < 0.005 { "0".to_owned() } else { format!("{:.2}, {block}", it.probability) }
+        });
+        let main = record.shares.first().map_or_else(String::new, |(name, share)| format!("{name} ({share:.2})"));
+        let agree = halves_agree(results, record).map_or("", |it| if it { "yes" } else { "no" });
+        table = table.row(
+            RowKind::Ours,
+            [
+                record.log.clone().into(),
+                robot(record),
+                diagnosis.verdict.name().into(),
+                said(diagnosis).map_or_else(String::new, |it| it.effects.join(", ")).into(),
+                far.closed.map_or_else(Cell::default, |closed| Cell::number(closed, 2)),
+                interval.into(),
+                remains.into(),
+                agree.into(),
+                main.into(),
+            ],
+        );
+    }
+    table
+}
+
+/// Every parameter that was found beside what motion capture shows.
+fn held(results: &Results) -> Table {
+    let heads =
+        ["log", "robot", "parameter", "unit", "found", "90 % interval", "motion capture", "first half", "second half"];
+    let mut table = Table::new("Sizes found in real logs, beside motion capture", &heads).caption(
+        "Motion capture's numbers are each of its own discrepancy alone: the best delay or the best lag, not both at once.",
+    );
+    for record in results.records.iter().filter(|record| record.part == Part::Whole) {
+        let Some(cause) = record.diagnosis.as_ref().and_then(said) else { continue };
+        // Wheels do not go sideways.
+        for (parameter, estimate) in cause.parameters.iter().filter(|(name, _)| *name != "command_scale.x_ratio") {
+            let half = |part: Part| {
+                let same = |it: &&Record| it.log == record.log && it.robot == record.robot && it.part == part;
+                let cause = results.records.iter().find(same)?.diagnosis.as_ref().and_then(said)?;
+                cause.parameters.get(parameter).map(|it| it.value)
+            };
+            let shown = |value: Option<f64>| value.map_or_else(Cell::default, |value| words::digits(value).into());
+            let [low, high] = estimate.interval;
+            table = table.row(
+                RowKind::Ours,
+                [
+                    record.log.clone().into(),
+                    robot(record),
+                    parameter.clone().into(),
+                    words::unit(parameter).unwrap_or_default().into(),
+                    words::digits(estimate.value).into(),
+                    format!("{} to {}", words::digits(low), words::digits(high)).into(),
+                    shown(record.capture.get(parameter).copied()),
+                    shown(half(Part::FirstHalf)),
+                    shown(half(Part::SecondHalf)),
+                ],
+            );
+        }
+    }
+    table
+}

@@ -1,0 +1,238 @@
+//! From a scenario of real logs to records: import each, diagnose the whole of it and each half, hold both against motion
+//! capture, keep.
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use asami_dataset::{Dataset, Log};
+use asami_gap::Diagnosis;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::capture::capture;
+use super::odometry;
+use super::scenario::{Real, Source};
+use crate::diagnose::limits::limits;
+use crate::diagnose::progress::Listener;
+use crate::diagnose::{self, Ready};
+use crate::import;
+use crate::sweep::cases::Store;
+use crate::sweep::{CannotSweep, Options, Timing, Watcher, manifest};
+use crate::trial::{self, panic_message};
+
+/// Which part of a log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// All of it.
+    Whole,
+    /// The first half of it.
+    FirstHalf,
+    /// The second half of it.
+    SecondHalf,
+}
+
+impl Part {
+    /// All, in order.
+    pub const ALL: [Part; 3] = [Part::Whole, Part::FirstHalf, Part::SecondHalf];
+
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Part::Whole => "whole",
+            Part::FirstHalf => "first_half",
+            Part::SecondHalf => "second_half",
+        }
+    }
+
+    /// This part of a log.
+    #[must_use]
+    pub fn of(self, log: &Log) -> Log {
+        let (first_s, last_s) = log.span_s().unwrap_or_default();
+        let middle_s = 0.5 * (first_s + last_s);
+        match self {
+            Part::Whole => log.clone(),
+            Part::FirstHalf => log.window(f64::NEG_INFINITY..middle_s),
+            Part::SecondHalf => log.window(middle_s..f64::INFINITY),
+        }
+    }
+}
+
+/// What is kept of a part of a log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// The log's name in the scenario.
+    pub log: String,
+    /// Whose, of a recording of several.
+    pub robot: Option<u16>,
+    /// Which part.
+    pub part: Part,
+    /// What was said of it; `None` where nothing can be.
+    pub diagnosis: Option<Diagnosis>,
+    /// What motion capture shows, by `NAME.PARAM`.
+    pub capture: BTreeMap<String, f64>,
+    /// How much of what motion is off each discrepancy explains alone, by motion capture, the largest first.
+    pub shares: Vec<(String, f64)>,
+    /// Why nothing can be said; empty if something was.
+    pub error: String,
+    /// Goes to `timings.csv` only.
+    pub timing: Timing,
+}
+
+impl Record {
+    /// Its name in files.
+    #[must_use]
+    pub fn name(&self) -> String {
+        name(&self.log, self.robot, self.part)
+    }
+}
+
+fn name(log: &str, robot: Option<u16>, part: Part) -> String {
+    let robot = robot.map(|robot| format!("_{robot}")).unwrap_or_default();
+    format!("{log}{robot}-{}", part.name())
+}
+
+/// Complete results, in order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Results {
+    /// What was asked.
+    pub real: Real,
+    /// For each log its parts.
+    pub records: Vec<Record>,
+}
+
+/// A log, and all that its diagnosis needs.
+struct Prepared<'a> {
+    source: &'a Source,
+    robot: Option<u16>,
+    dataset: Dataset,
+    ready: &'a Ready,
+}
+
+/// Imports the logs, and diagnoses their parts that are not done yet.
+///
+/// # Errors
+/// A report where a source or a nominal world cannot be used, or files not be written; nothing that happens inside a diagnosis
+/// is an error here.
+pub fn run(
+    real: &Real,
+    data: Option<&Path>,
+    libraries: &Path,
+    options: &Options,
+    (watcher, listener): (&dyn Watcher, &dyn Listener),
+) -> Result<Results, miette::Report> {
+    let mut datasets: Vec<(&Source, Option<u16>, Dataset)> = Vec::new();
+    for source in &real.asked.logs {
+        let path = data.map_or_else(|| manifest::repository().join(&source.source), Path::to_owned);
+        for robot in robots(source) {
+            datasets.push((source, robot, imported(source, robot, &path)?));
+        }
+    }
+    let mut worlds: BTreeMap<&str, Ready> = BTreeMap::new();
+    for (source, _, dataset) in &datasets {
+        if !worlds.contains_key(source.nominal.as_str()) {
+            let asked = diagnose::Asked {
+                nominal: Some(PathBuf::from(&source.nominal)),
+                libraries: libraries.to_owned(),
+                calibrate: Some(0),
+                real: true,
+                ..diagnose::Asked::default()
+            };
+            worlds.insert(&source.nominal, Ready::new(&dataset.log, &asked, listener)?);
+        }
+    }
+    let prepared: Vec<Prepared<'_>> = datasets
+        .into_iter()
+        .map(|(source, robot, dataset)| Prepared { source, robot, dataset, ready: &worlds[source.nominal.as_str()] })
+        .collect();
+    diagnosed(real, &prepared, options, watcher).map_err(crate::verb::plain)
+}
+
+fn robots(source: &Source) -> Vec<Option<u16>> {
+    source.robots.as_ref().map_or(vec![None], |robots| robots.iter().copied().map(Some).collect())
+}
+
+fn imported(source: &Source, robot: Option<u16>, path: &Path) -> Result<Dataset, miette::Report> {
+    let importers = import::catalogue();
+    let importer = importers.iter().find(|it| it.name == source.format);
+    // The scenario's check has said so already.
+    let importer = importer.ok_or_else(|| miette::miette!("unknown format {}", source.format))?;
+    match importer.import(path, robot) {
+        Ok(imported) => {
+            let Dataset { log, truth, provenance } = imported.dataset;
+            let log = source.average_s.map_or_else(|| log.clone(), |over_s| odometry::averaged(&log, over_s));
+            Ok(Dataset { log, truth, provenance })
+        }
+        Err(error) if path.exists() => Err(miette::miette!("{error}")),
+        Err(error) => Err(miette::miette!(help = "if it lies elsewhere: --only NAME --data DIR", "{error}")),
+    }
+}
+
+fn diagnosed(
+    real: &Real,
+    prepared: &[Prepared<'_>],
+    options: &Options,
+    watcher: &dyn Watcher,
+) -> Result<Results, CannotSweep> {
+    let cases: Vec<(&Prepared<'_>, Part)> =
+        prepared.iter().flat_map(|it| Part::ALL.into_iter().map(move |part| (it, part))).collect();
+    let logs: Vec<String> = prepared.iter().map(|it| format!("{:?}", it.dataset.log)).collect();
+    let parts = [real.hash(), logs.concat(), options.program.clone()];
+    let store = Store::open(&options.out, blake3::hash(parts.join("\n").as_bytes()).to_hex().as_ref())?;
+    let names: Vec<String> = cases.iter().map(|(it, part)| name(&it.source.name, it.robot, *part)).collect();
+    let found = store.find::<Record>(&names)?;
+    watcher.begins(&found.count, 1);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build()?;
+    let records = pool.install(|| {
+        let work: Vec<_> = cases.into_iter().zip(found.records).enumerate().collect();
+        work.into_par_iter()
+            .with_max_len(1)
+            .map(|(i, ((prepared, part), done))| {
+                if let Some(done) = done {
+                    return Ok(done);
+                }
+                let record = prepared.record(part);
+                store.keep(&names[i], &record)?;
+                let case = trial::Case { seed: i as u64, robot: prepared.robot, ..trial::Case::default() };
+                watcher.finished(&case, &record.timing);
+                Ok(record)
+            })
+            .collect::<Result<Vec<Record>, CannotSweep>>()
+    });
+    Ok(Results { real: real.clone(), records: records? })
+}
+
+impl Prepared<'_> {
+    fn record(&self, part: Part) -> Record {
+        let began = Instant::now();
+        let log = part.of(&self.dataset.log);
+        let said = catch_unwind(AssertUnwindSafe(|| {
+            let limited = limits(&log).map_err(|error| error.to_string())?;
+            self.ready.diagnose_real(&limited.log).map_err(|error| error.to_string())
+        }));
+        let (diagnosis, error) = match said {
+            Ok(Ok(diagnosis)) => (Some(diagnosis), String::new()),
+            Ok(Err(error)) => (None, error),
+            Err(panic) => (None, panic_message(&*panic)),
+        };
+        let took_s = began.elapsed().as_secs_f64();
+        // Truth comes in only now.
+        let (first_s, last_s) = log.span_s().unwrap_or_default();
+        let mut seen = Dataset { log, ..self.dataset.clone() };
+        seen.truth.track = seen.truth.track.window(&(first_s..last_s));
+        let captured = capture(&seen);
+        Record {
+            log: self.source.name.clone(),
+            robot: self.robot,
+            part,
+            diagnosis,
+            capture: captured.values,
+            shares: captured.shares.into_iter().map(|(name, share)| (name.to_owned(), share)).collect(),
+            error,
+            timing: Timing { log_s: 0.0, trials_s: vec![took_s] },
+        }
+    }
+}
