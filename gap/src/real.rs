@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use asami_dataset::Log;
 use asami_math::elementary::exp;
-use asami_sim::effect::Block;
+use asami_sim::effect::{Block, Place};
 
 use crate::aside::Aside;
 use crate::blocks::{self, Fitted};
@@ -24,8 +24,9 @@ use crate::view::CannotSee;
 const ROUNDS: usize = 4;
 /// An effect that is less evident is not named, in nats.
 const LEAST_NATS: f64 = 10.0;
-/// Nor one that adds less than this share to what those before it explain.
-const LEAST_SHARE: f64 = 2e-3;
+/// Nor one that adds less than this share to what those before it explain: so much may as well be what the nominal world's
+/// own shape, or the library, is off.
+const LEAST_SHARE: f64 = 0.01;
 /// Where more of the gap than this remains with every effect in, something is unknown.
 const MOST_REMAINS: f64 = 0.3;
 /// Causes less probable than this are left out.
@@ -39,7 +40,10 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// # Errors
 /// [`CannotSee`] says what the log lacks.
 pub fn diagnose(library: &Library, variants: &[Variant], log: &Log) -> Result<Diagnosis, CannotSee> {
-    let variants: Vec<Variant> = variants.iter().filter(|it| it.block() != Block::Noise).cloned().collect();
+    // A single landmark that stands elsewhere is a robot that does.
+    let shows = |it: &&Variant| it.place() != Place::Scene || library.base.shape.landmarks > 1;
+    let variants: Vec<Variant> =
+        variants.iter().filter(|it| it.block() != Block::Noise).filter(shows).cloned().collect();
     let aside = Aside::default();
     let mut best: Option<(f64, Library, Vec<Layer>)> = None;
     let mut found: Vec<Layer> = Vec::new();
