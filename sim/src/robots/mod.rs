@@ -4,5 +4,6 @@ pub mod actuator;
 pub mod aibo;
 pub mod car;
 pub mod create;
+mod frames;
 pub mod past;
 pub mod plain;

@@ -1,7 +1,7 @@
 //! The body in the engine: links, motors, feet on the ground.
 
 use asami_math::elementary::atan2;
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use rapier3d::prelude::*;
 use rapier3d_urdf::{UrdfLoaderOptions, UrdfMultibodyOptions, UrdfRobot};
 
@@ -9,6 +9,7 @@ use super::BuildError;
 use super::blueprint::{Blueprint, JOINT_NAMES, JOINTS, LEG_NAMES};
 use super::config::{AiboConfig, Joints, Physics};
 use crate::knobs::BodyKnobs;
+use crate::robots::frames::{from_engine, to_engine};
 
 /// The axis about which every joint turns, in its own frame.
 const AXIS: usize = JointAxis::AngX as usize;
@@ -366,21 +367,4 @@ fn foot(engine: &PhysicsWorld, links: &[(String, RigidBodyHandle)], leg: &str) -
     };
     let lowest = engine.bodies[lower].colliders().iter().copied().min_by(|a, b| below(a).total_cmp(&below(b)));
     lowest.ok_or(BuildError::Missing { kind: "foot in link", name })
-}
-
-fn to_engine(pose: &Isometry3<f64>) -> Pose {
-    let (t, q) = (&pose.translation, &pose.rotation);
-    Pose::from_parts(
-        Vector::new(t.x as f32, t.y as f32, t.z as f32),
-        Rotation::from_xyzw(q.i as f32, q.j as f32, q.k as f32, q.w as f32).normalize(),
-    )
-}
-
-fn from_engine(pose: &Pose) -> Isometry3<f64> {
-    let (t, q) = (pose.translation, pose.rotation);
-    let quaternion = Quaternion::new(f64::from(q.w), f64::from(q.x), f64::from(q.y), f64::from(q.z));
-    Isometry3::from_parts(
-        Translation3::new(f64::from(t.x), f64::from(t.y), f64::from(t.z)),
-        UnitQuaternion::from_quaternion(quaternion),
-    )
 }

@@ -1,12 +1,13 @@
 //! The car in the engine: one rigid body with its wheels' forces on it, on the ground, among solids.
 
-use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use rapier3d::prelude::*;
 
 use super::BuildError;
 use super::blueprint::{Blueprint, LUGGAGE_M, WHEELS};
 use super::config::CarConfig;
 use super::wheel::{Inputs, Motion, Push, Wheel};
+use crate::robots::frames::{from_engine, from_vector, to_engine, to_vector, yawed};
 use crate::scenes::solid::Ground;
 
 /// Everything that acts on the wheels during a step.
@@ -225,12 +226,6 @@ impl Body {
     }
 }
 
-/// Turned about the vertical, counter-clockwise. nalgebra's own would take the platform's sine.
-pub(super) fn yawed(angle_rad: f64) -> UnitQuaternion<f64> {
-    let (sin, cos) = asami_math::elementary::sin_cos(0.5 * angle_rad);
-    UnitQuaternion::from_quaternion(Quaternion::new(cos, 0.0, 0.0, sin))
-}
-
 /// Mass with what was put into the car.
 struct Load {
     mass_kg: f64,
@@ -270,24 +265,4 @@ fn feel(ground: &SharedShape, from_m: Vector3<f64>, along: Vector3<f64>, most_m:
     let normal = from_vector(hit.normal);
     let facing = if normal.dot(&along) > 0.0 { -normal } else { normal };
     Some((f64::from(hit.time_of_impact), facing.normalize()))
-}
-
-fn to_vector(it: &Vector3<f64>) -> Vector {
-    Vector::new(it.x as f32, it.y as f32, it.z as f32)
-}
-
-fn from_vector(it: Vector) -> Vector3<f64> {
-    Vector3::new(f64::from(it.x), f64::from(it.y), f64::from(it.z))
-}
-
-fn to_engine(pose: &Isometry3<f64>) -> Pose {
-    let q = &pose.rotation;
-    let rotation = Rotation::from_xyzw(q.i as f32, q.j as f32, q.k as f32, q.w as f32).normalize();
-    Pose::from_parts(to_vector(&pose.translation.vector), rotation)
-}
-
-fn from_engine(pose: &Pose) -> Isometry3<f64> {
-    let q = pose.rotation;
-    let quaternion = Quaternion::new(f64::from(q.w), f64::from(q.x), f64::from(q.y), f64::from(q.z));
-    Isometry3::from_parts(from_vector(pose.translation).into(), UnitQuaternion::from_quaternion(quaternion))
 }

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use super::BuildError;
 use super::blueprint::Blueprint;
-use super::body::{Body, Controls, Setting, yawed};
+use super::body::{Body, Controls, Setting};
 use super::brakes::Brakes;
 use super::config::CarConfig;
 use super::drivetrain::Drivetrain;
@@ -16,6 +16,7 @@ use crate::effect::{CommandStage, Stage};
 use crate::effects::Effects;
 use crate::knobs::{GroundKnobs, Knobs, VehicleKnobs};
 use crate::robots::actuator::{Actuator, Late};
+use crate::robots::frames::yawed;
 use crate::scenes::solid::Ground;
 use crate::scenes::town::Waypoint;
 use crate::sensors::velodyne::SensorPose;

@@ -1,13 +1,13 @@
 //! The robot in the engine: a body on two motored wheels and a caster that slides.
 
-use asami_math::elementary::sin_cos;
-use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
 use rapier3d::prelude::*;
 
 use super::BuildError;
 use super::blueprint::{Blueprint, WHEELS, WheelPlan};
 use super::config::CreateConfig;
 use crate::knobs::{BodyKnobs, Knobs};
+use crate::robots::frames::{from_engine, to_engine, to_vector, yawed};
 
 /// The axis about which wheels turn, in the joint's own frame.
 const AXIS: usize = JointAxis::AngX as usize;
@@ -155,12 +155,7 @@ impl Body {
     /// The body in the world (URDF axes: x forward).
     #[must_use]
     pub fn world_from_body(&self) -> Isometry3<f64> {
-        let pose = self.engine.bodies[self.chassis].position();
-        let (t, q) = (pose.translation, pose.rotation);
-        let rotation = Quaternion::new(f64::from(q.w), f64::from(q.x), f64::from(q.y), f64::from(q.z));
-        let at = Vector3::new(f64::from(t.x), f64::from(t.y), f64::from(t.z));
-        Isometry3::from_parts(at.into(), UnitQuaternion::from_quaternion(rotation))
-            * Translation3::from(-self.centre_of_mass_m)
+        from_engine(self.engine.bodies[self.chassis].position()) * Translation3::from(-self.centre_of_mass_m)
     }
 
     /// Mass of all parts as the engine holds it; 0 before the first step.
@@ -227,20 +222,4 @@ fn wheel(
         .contacts_enabled(false);
     let joint = engine.multibody_joints.insert(chassis, body, axle, true)?;
     Some(Wheel { body, tyre, joint, behind_rad: 0.0 })
-}
-
-/// Turned about the vertical, counter-clockwise. nalgebra's own would take the platform's sine.
-fn yawed(angle_rad: f64) -> UnitQuaternion<f64> {
-    let (sin, cos) = sin_cos(0.5 * angle_rad);
-    UnitQuaternion::from_quaternion(Quaternion::new(cos, 0.0, 0.0, sin))
-}
-
-fn to_vector(it: &Vector3<f64>) -> Vector {
-    Vector::new(it.x as f32, it.y as f32, it.z as f32)
-}
-
-fn to_engine(pose: &Isometry3<f64>) -> Pose {
-    let q = &pose.rotation;
-    let rotation = Rotation::from_xyzw(q.i as f32, q.j as f32, q.k as f32, q.w as f32).normalize();
-    Pose::from_parts(to_vector(&pose.translation.vector), rotation)
 }
