@@ -1,15 +1,13 @@
 //! *Unknown*: five flexible blocks into which an effect that is in nobody's list would fall.
 //!
 //! A block is a handful of directions in which a response may change, each with a Gaussian prior. Its
-//! evidence is Laplace's; the curvature is that of the scores of single frames (Berndt, Hall, Hall and
-//! Hausman 1974), so that means and noise are treated alike.
+//! evidence is Laplace's; the curvature is that of the scores of single frames, so that means and noise are treated alike.
 
-use asami_math::decomposition::{cholesky, cholesky_solve};
-use asami_math::elementary::ln;
 use rayon::prelude::*;
 
 use crate::directions::Direction;
 use crate::judge::Judge;
+use crate::newton::{Curvature, climb};
 
 /// The blocks' names, in the order in which they are tried; the last is all of them together.
 pub const BLOCKS: [&str; 6] = ["static_motion", "timing", "drift", "sensor", "noise", "all"];
@@ -29,6 +27,8 @@ pub struct Fitted {
 const ITERATIONS: usize = 4;
 /// Evidence from which on a block is worth more than one step, in nats.
 const SPEAKS: f64 = 2.0;
+/// Directions are in units of their prior standard deviations.
+const PRIOR_PRECISION: f64 = 1.0;
 /// Differences are taken over this share of a prior standard deviation.
 const DIFFERENCE: f64 = 0.05;
 
@@ -122,31 +122,26 @@ impl On<'_> {
             if iteration > 0 {
                 of_block = range.clone().map(|i| self.score(&b, &terms, i)).collect();
             }
-            let Some((step, ln_det)) = newton(&b[range.clone()], &of_block) else { break };
+            let Some(curvature) = Curvature::new(&of_block, PRIOR_PRECISION) else { break };
+            let slope: Vec<f64> = of_block.iter().zip(&b[range.clone()]).map(|(score, b)| sum(score) - b).collect();
+            let step = curvature.step(&slope);
             let objective = |terms: &[f64], b: &[f64]| sum(terms) - 0.5 * b.iter().fold(0.0, |sum, b| sum + b * b);
             let here = objective(&terms, &b);
-            let along = |share: f64| {
+            // Logarithms of noise are far from quadratic: longer steps may help.
+            let better = climb(here, &[2.0, 4.0], |share| {
                 let mut there = b.clone();
                 for (b, step) in there[range.clone()].iter_mut().zip(&step) {
                     *b += share * step;
                 }
                 let terms = self.likely(&there);
-                (objective(&terms, &there), there, terms)
-            };
-            // Shortened until it is no longer a step down; lengthened for as long as that helps, since logarithms of
-            // noise are far from quadratic.
-            let mut better = [1.0, 0.5, 0.2, 0.05].into_iter().map(along).find(|(found, _, _)| *found > here);
-            for longer in [2.0, 4.0].map(along) {
-                if better.as_ref().is_some_and(|(found, _, _)| longer.0 > *found) {
-                    better = Some(longer);
-                }
-            }
+                (objective(&terms, &there), (there, terms))
+            });
             let moved = better.is_some();
-            if let Some((_, there, of_there)) = better {
+            if let Some((_, (there, of_there))) = better {
                 (b, terms) = (there, of_there);
             }
             let found = objective(&terms, &b);
-            evidence_nats = found - sum(at_zero) - 0.5 * ln_det;
+            evidence_nats = found - sum(at_zero) - 0.5 * curvature.ln_determinant();
             if !moved || evidence_nats < SPEAKS || found - here < 0.1 {
                 break;
             }
@@ -157,21 +152,4 @@ impl On<'_> {
 
 fn sum(terms: &[f64]) -> f64 {
     terms.iter().fold(0.0, |sum, it| sum + it)
-}
-
-/// A step of Newton's method, and the logarithm of the determinant of the curvature over the prior's.
-fn newton(b: &[f64], scores: &[Vec<f64>]) -> Option<(Vec<f64>, f64)> {
-    let p = b.len();
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
-    let mut curvature = vec![vec![0.0; p]; p];
-    for i in 0..p {
-        for j in 0..=i {
-            curvature[i][j] = product(&scores[i], &scores[j]) + if i == j { 1.0 } else { 0.0 };
-            curvature[j][i] = curvature[i][j];
-        }
-    }
-    let slope: Vec<f64> = (0..p).map(|i| sum(&scores[i]) - b[i]).collect();
-    let l = cholesky(&curvature)?;
-    let ln_determinant = 2.0 * (0..p).fold(0.0, |sum, i| sum + ln(l[i][i]));
-    Some((cholesky_solve(&l, &slope), ln_determinant))
 }

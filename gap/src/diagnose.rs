@@ -9,7 +9,7 @@ use crate::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
 use crate::evidence::Weighed;
 use crate::experiment::{Courses, advice};
 use crate::findings::{Findings, absorbed_nats};
-use crate::groups::{groups, visible};
+use crate::groups::{groups, smallest_visible};
 use crate::how_far::how_far;
 use crate::judge::Judge;
 use crate::library::Responds;
@@ -21,8 +21,6 @@ use crate::view::CannotSee;
 const NOT_NONE: f64 = 0.1;
 /// A named model is not adequate where fewer planted truths than this were exceeded as far by a flexible block.
 const INADEQUATE: f64 = 0.01;
-/// Evidence at which an effect would have shown.
-const VISIBLE_NATS: f64 = 12.0;
 /// Causes less probable than this are left out: those given sum to 1 but for less than a hundredth.
 const NEGLIGIBLE: f64 = 1e-4;
 
@@ -88,7 +86,7 @@ impl Diagnoser<'_> {
             next_keys,
             set90: set90.iter().map(|cause| split(cause)).collect(),
             cannot_tell_apart,
-            smallest_visible: self.smallest_visible(judge),
+            smallest_visible: smallest_visible(judge, self.variants),
             calibrated_on: None,
             how_far: if verdict == Verdict::None { HowFar::default() } else { how_far(judge, added) },
         })
@@ -148,19 +146,6 @@ impl Diagnoser<'_> {
             }
         };
         ranked.iter().filter(|(name, p)| worth(name, *p)).map(|(name, p)| cause(name, *p)).collect()
-    }
-
-    /// By `NAME.PARAM`, over the kinds of each effect the easiest to see.
-    fn smallest_visible(&self, judge: &dyn Judge) -> BTreeMap<String, f64> {
-        let nominal = judge.read(&judge.numbers(&[]));
-        let mut smallest: BTreeMap<String, f64> = BTreeMap::new();
-        for variant in self.variants.iter().filter(|variant| judge.knows(variant)) {
-            let key = format!("{}.{}", variant.about.name, variant.sized().0);
-            let planted = Planted { variant: variant.clone(), size: variant.sizes().1 };
-            let size = visible(judge, &nominal, &planted, VISIBLE_NATS);
-            smallest.entry(key).and_modify(|known| *known = known.min(size)).or_insert(size);
-        }
-        smallest
     }
 }
 

@@ -4,14 +4,18 @@
 //! their scales and of the shares of false and missed sightings, each in units in which half the squared
 //! length of a difference is the expected log-likelihood ratio (Kullback and Leibler 1951, to second order).
 
+use std::collections::BTreeMap;
+
 use asami_math::elementary::{exp, ln};
 
 use crate::evidence::Weighed;
 use crate::judge::{Judge, Reading, Share};
-use crate::plant::Planted;
+use crate::plant::{Planted, Variant};
 
 /// Hypotheses that part by less than this cannot be told apart.
 pub const SPLIT_NATS: f64 = 3.0;
+/// Evidence at which an effect would have shown.
+const VISIBLE_NATS: f64 = 12.0;
 /// A signature shorter than this is no signature.
 const FAINT_NATS: f64 = 1.5;
 
@@ -94,10 +98,24 @@ pub fn groups(judge: &dyn Judge, weighed: &[&Weighed]) -> Vec<Vec<String>> {
     (0..weighed.len()).map(members).filter(|members| members.len() > 1).collect()
 }
 
+/// By `NAME.PARAM`, over the kinds of each effect the easiest to see, the smallest size that a log would have shown.
+#[must_use]
+pub fn smallest_visible(judge: &dyn Judge, variants: &[Variant]) -> BTreeMap<String, f64> {
+    let nominal = judge.read(&judge.numbers(&[]));
+    let mut smallest: BTreeMap<String, f64> = BTreeMap::new();
+    for variant in variants.iter().filter(|variant| judge.knows(variant)) {
+        let key = format!("{}.{}", variant.about.name, variant.sized().0);
+        let planted = Planted { variant: variant.clone(), size: variant.sizes().1 };
+        let size = visible(judge, &nominal, &planted, VISIBLE_NATS);
+        smallest.entry(key).and_modify(|known| *known = known.min(size)).or_insert(size);
+    }
+    smallest
+}
+
 /// Distance from the null value at which a kind of effect would be expected to gain `nats`; it grows as the size's
 /// square, from a first look at the middle of its law.
 #[must_use]
-pub fn visible(judge: &dyn Judge, nominal: &Reading, planted: &Planted, nats: f64) -> f64 {
+fn visible(judge: &dyn Judge, nominal: &Reading, planted: &Planted, nats: f64) -> f64 {
     let gain = |size: f64| {
         let numbers = judge.numbers(&[Planted { size, ..planted.clone() }]);
         Signature::new(nominal, &judge.read(&numbers)).nats()

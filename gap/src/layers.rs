@@ -4,11 +4,11 @@
 //! beside it, and so on. Before they are compared, the sizes of all that is in the world are found together: effects that act
 //! much alike hide one another as long as each is looked at by itself.
 
-use asami_math::decomposition::{cholesky, cholesky_solve};
 use asami_math::elementary::{exp, ln};
 
 use crate::evidence::{CLOSE, Weighed, weigh};
 use crate::judge::Judge;
+use crate::newton::{Curvature, climb};
 use crate::plant::{Planted, Variant};
 
 /// At most so many effects.
@@ -25,6 +25,8 @@ const GAINS_NOTHING_NATS: f64 = 0.05;
 const DIFFERENCE: f64 = 0.02;
 /// No step changes a size by more, by its logarithm.
 const LONGEST: f64 = 1.0;
+/// Precision of a prior that leaves a size which changes nothing where it is.
+const NEXT_TO_NOTHING: f64 = 1e-3;
 /// Half of a Gaussian's middle 90 %, in standard deviations.
 const NINETY: f64 = 1.645;
 
@@ -90,8 +92,7 @@ fn next(judge: &dyn Judge, variants: &[Variant], with: &[Planted], likely: f64) 
     tried
 }
 
-/// Finds all sizes together, by Newton's method on their logarithms with the curvature of the steps' scores (Berndt, Hall,
-/// Hall and Hausman 1974); and the log-likelihood there.
+/// Finds all sizes together, by Newton's method on their logarithms; and the log-likelihood there.
 fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> (Settled, f64) {
     let terms = |all: &[Planted]| judge.terms(&judge.numbers(all));
     let total = |terms: &[f64]| terms.iter().fold(0.0, |sum, it| sum + it);
@@ -108,10 +109,11 @@ fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> (Settled, f64) {
                 terms(&beside).iter().zip(&here).map(|(there, here)| (there - here) / h).collect()
             })
             .collect();
-        let Some((step, vars)) = newton(&scores) else { break };
-        sds = vars.iter().map(|it| it.sqrt()).collect();
+        let Some(curvature) = Curvature::new(&scores, NEXT_TO_NOTHING) else { break };
+        let step = curvature.step(&scores.iter().map(|score| total(score)).collect::<Vec<f64>>());
+        sds = curvature.variances().into_iter().map(f64::sqrt).collect();
         let before = total(&here);
-        let along = |share: f64| {
+        let better = climb(before, &[2.0], |share| {
             let mut there = all.clone();
             for (planted, step) in there.iter_mut().zip(&step) {
                 let (least, greatest) = planted.variant.sizes();
@@ -119,15 +121,9 @@ fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> (Settled, f64) {
                 planted.size = (planted.size * exp(moved)).clamp(least, greatest);
             }
             let of_there = terms(&there);
-            (total(&of_there), there, of_there)
-        };
-        let mut better = [1.0, 0.5, 0.2, 0.05].into_iter().map(along).find(|(found, _, _)| *found > before);
-        if let Some(longer) =
-            better.as_ref().map(|_| along(2.0)).filter(|it| better.as_ref().is_some_and(|b| it.0 > b.0))
-        {
-            better = Some(longer);
-        }
-        let Some((found, there, of_there)) = better else { break };
+            (total(&of_there), (there, of_there))
+        });
+        let Some((found, (there, of_there))) = better else { break };
         (all, here) = (there, of_there);
         if found - before < GAINS_NOTHING_NATS {
             break;
@@ -141,23 +137,4 @@ fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> (Settled, f64) {
         (planted, ends)
     };
     (all.into_iter().zip(sds).map(with_interval).collect(), found)
-}
-
-/// A step of Newton's method, and the variances of what it finds.
-fn newton(scores: &[Vec<f64>]) -> Option<(Vec<f64>, Vec<f64>)> {
-    let p = scores.len();
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
-    let mut curvature = vec![vec![0.0; p]; p];
-    for i in 0..p {
-        for j in 0..=i {
-            // A size that changes nothing is left where it is.
-            curvature[i][j] = product(&scores[i], &scores[j]) + if i == j { 1e-3 } else { 0.0 };
-            curvature[j][i] = curvature[i][j];
-        }
-    }
-    let slope: Vec<f64> = scores.iter().map(|score| score.iter().fold(0.0, |sum, it| sum + it)).collect();
-    let l = cholesky(&curvature)?;
-    let unit = |i: usize| (0..p).map(|j| if i == j { 1.0 } else { 0.0 }).collect::<Vec<f64>>();
-    let vars = (0..p).map(|i| cholesky_solve(&l, &unit(i))[i]).collect();
-    Some((cholesky_solve(&l, &slope), vars))
 }

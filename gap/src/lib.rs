@@ -27,6 +27,7 @@ pub mod judge;
 pub mod layers;
 pub mod library;
 pub mod memory;
+pub mod newton;
 pub mod nominal;
 pub mod place;
 pub mod plant;

@@ -11,12 +11,13 @@ use crate::aside::Aside;
 use crate::blocks::{self, Fitted};
 use crate::calibration::{NONE, UNKNOWN};
 use crate::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
+use crate::groups::smallest_visible;
 use crate::how_far::how_far;
 use crate::judge::Judge;
 use crate::layers::{Layer, layers, planted};
 use crate::library::Library;
 use crate::place::places;
-use crate::plant::{Planted, Variant};
+use crate::plant::Variant;
 use crate::sighted::Sighted;
 use crate::view::CannotSee;
 
@@ -35,7 +36,7 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// Diagnoses a log of a real robot. Effects of noise are not thought of: what is set aside says how large it is.
 ///
 /// Probabilities are by layer: of an effect, its evidence over that of the others beside those before it. The probability of
-/// *unknown* is the share of the gap that remains.
+/// *unknown* is the share of the gap that remains; all of it, where nothing in the list explains a gap.
 ///
 /// # Errors
 /// [`CannotSee`] says what the log lacks.
@@ -45,7 +46,7 @@ pub fn diagnose(library: &Library, variants: &[Variant], log: &Log) -> Result<Di
     let variants: Vec<Variant> =
         variants.iter().filter(|it| it.block() != Block::Noise).filter(shows).cloned().collect();
     let aside = Aside::default();
-    let mut best: Option<(f64, Library, Vec<Layer>)> = None;
+    let mut best = (f64::NEG_INFINITY, library.clone(), Vec::new());
     let mut found: Vec<Layer> = Vec::new();
     for _ in 0..ROUNDS {
         let noisy = library.noisy_as(log, aside, &planted(&found))?;
@@ -53,43 +54,46 @@ pub fn diagnose(library: &Library, variants: &[Variant], log: &Log) -> Result<Di
         found = layers(&judge, &variants, LEAST_NATS, LEAST_SHARE);
         // Of what is not set aside: no noise was fitted to it.
         let likely = judge.log_likelihood(&planted(&found));
-        if best.as_ref().is_none_or(|(most, _, _)| likely > *most) {
-            best = Some((likely, noisy, found.clone()));
+        if likely > best.0 {
+            best = (likely, noisy, found.clone());
         }
     }
-    let (noisy, found) = best.map_or_else(|| (library.clone(), Vec::new()), |(_, noisy, found)| (noisy, found));
-    let judge = Sighted::new(log, &noisy)?;
-    Ok(assembled(&judge, &found))
+    let (_, noisy, found) = best;
+    Ok(assembled(&Sighted::new(log, &noisy)?, &variants, &found))
 }
 
-fn assembled(judge: &dyn Judge, found: &[Layer]) -> Diagnosis {
+fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagnosis {
     let all = planted(found);
     let (base, with) = (judge.numbers(&[]), judge.numbers(&all));
-    let far = if found.is_empty() { HowFar::default() } else { how_far(judge, &all) };
-    let remains = if far.excess_before > 0.0 { (far.excess_after / far.excess_before).clamp(0.0, 1.0) } else { 0.0 };
     let blocks = blocks::fit(judge, &with, &|_| true);
     let block = blocks.into_iter().reduce(|a, b| if b.evidence_nats > a.evidence_nats { b } else { a });
-    let unknown = remains > MOST_REMAINS;
+    let evident = block.as_ref().is_some_and(|block| block.evidence_nats >= LEAST_NATS);
+    let far = if found.is_empty() { HowFar::default() } else { how_far(judge, &all) };
+    let remains = match found {
+        // All of it, where there is a gap at all.
+        [] if evident => 1.0,
+        [_, ..] if far.excess_before > 0.0 => (far.excess_after / far.excess_before).clamp(0.0, 1.0),
+        _ => 0.0,
+    };
     let which = which(judge, found, remains, block.as_ref());
     let named = |cause: &&Cause| cause.effects[0] != UNKNOWN && cause.effects[0] != NONE;
     let set90 = set90(which.iter().filter(named));
-    let verdict = match (found.is_empty(), unknown, set90.len()) {
-        (true, _, _) => Verdict::None,
-        (_, true, _) => Verdict::Unknown,
-        (_, _, 0 | 1) => Verdict::Named,
+    let verdict = match set90.len() {
+        _ if remains > MOST_REMAINS => Verdict::Unknown,
+        0 => Verdict::None,
+        1 => Verdict::Named,
         _ => Verdict::Tied,
     };
-    let places = if found.is_empty() { Vec::new() } else { places(judge, &base, &with) };
     Diagnosis {
         schema: SCHEMA,
         verdict,
-        places,
+        places: if found.is_empty() { Vec::new() } else { places(judge, &base, &with) },
         which,
         set90,
         cannot_tell_apart: Vec::new(),
         next_experiment: None,
         next_keys: None,
-        smallest_visible: BTreeMap::new(),
+        smallest_visible: smallest_visible(judge, variants),
         calibrated_on: None,
         how_far: far,
     }
@@ -99,52 +103,46 @@ fn assembled(judge: &dyn Judge, found: &[Layer]) -> Diagnosis {
 fn which(judge: &dyn Judge, found: &[Layer], remains: f64, block: Option<&Fitted>) -> Vec<Cause> {
     let total = judge.log_likelihood(&planted(found)) - judge.log_likelihood(&[]);
     let names: Vec<&str> = found.iter().map(|layer| layer.weighed.effect).collect();
-    let odds: Vec<Vec<(&str, f64)>> = found
+    // Rivals by layer, and by how much each is less evident. One that is named itself, later, takes nobody's place.
+    let rivals: Vec<Vec<(&str, f64)>> = found
         .iter()
         .map(|layer| {
-            let of =
-                |(name, nats): &(&'static str, f64)| (*name, exp((nats - layer.weighed.evidence_nats).max(-700.0)));
-            // A rival that is named itself, later, takes nobody's place.
-            layer.rivals.iter().filter(|(name, _)| !names.contains(name)).map(of).collect()
+            let others = layer.rivals.iter().filter(|(name, _)| !names.contains(name));
+            others.map(|(name, nats)| (*name, layer.weighed.evidence_nats - nats)).collect()
         })
         .collect();
-    let own: Vec<f64> = odds.iter().map(|odds| 1.0 / (1.0 + odds.iter().map(|it| it.1).sum::<f64>())).collect();
-    let leads = own.iter().product::<f64>() * (1.0 - remains);
-    let parameters = |planted: &Planted, interval: [f64; 2]| Estimate::of(planted, interval);
-    let cause = |names: &[&str], probability: f64, own: bool| Cause {
+    let odds = |less: f64| exp(-less.min(700.0));
+    let own = rivals.iter().map(|rivals| 1.0 / (1.0 + rivals.iter().map(|it| odds(it.1)).sum::<f64>()));
+    let leads = own.product::<f64>() * (1.0 - remains);
+    let cause = |names: &[&str], probability: f64, evidence_nats: f64| Cause {
         effects: names.iter().map(|it| (*it).to_owned()).collect(),
         probability,
-        evidence_nats: if own { total } else { 0.0 },
+        evidence_nats,
         adequacy_p: None,
-        place: found.first().map(|layer| layer.weighed.best.variant.place().name().to_owned()),
+        place: None,
         block: None,
         behaves_like: None,
-        parameters: found
-            .iter()
-            .filter(|layer| own && names.contains(&layer.weighed.effect))
-            .flat_map(|layer| parameters(&layer.weighed.best, layer.weighed.interval))
-            .collect(),
+        parameters: BTreeMap::new(),
     };
-    let mut which = Vec::new();
-    if found.is_empty() {
-        which.push(Cause { probability: 1.0 - remains, ..cause(&[NONE], 0.0, false) });
-    } else {
-        which.push(cause(&names, leads, true));
-        for (i, odds) in odds.iter().enumerate() {
-            for (rival, odds) in odds.iter().filter(|(_, odds)| leads * odds > NEGLIGIBLE) {
-                let mut others = names.clone();
-                others[i] = rival;
-                which.push(cause(&others, leads * odds, false));
-            }
-        }
-        which.push(cause(&[NONE], 0.0, false));
-    }
-    which.push(Cause {
-        evidence_nats: block.map_or(0.0, |block| block.evidence_nats),
-        block: block.map(|block| block.block.to_owned()),
+    let estimates = |layer: &Layer| Estimate::of(&layer.weighed.best, layer.weighed.interval);
+    let place = found.first().map(|layer| layer.weighed.best.variant.place().name().to_owned());
+    let mut which = vec![Cause {
         behaves_like: (!found.is_empty()).then(|| names.join("+")),
-        ..cause(&[UNKNOWN], remains, false)
-    });
+        block: block.map(|block| block.block.to_owned()),
+        ..cause(&[UNKNOWN], remains, block.map_or(0.0, |block| block.evidence_nats))
+    }];
+    which.push(cause(&[NONE], if found.is_empty() { 1.0 - remains } else { 0.0 }, 0.0));
+    if !found.is_empty() {
+        let parameters = found.iter().flat_map(estimates).collect();
+        which.push(Cause { parameters, place: place.clone(), ..cause(&names, leads, total) });
+    }
+    for (i, rivals) in rivals.iter().enumerate() {
+        for (rival, less) in rivals.iter().filter(|(_, less)| leads * odds(*less) > NEGLIGIBLE) {
+            let mut others = names.clone();
+            others[i] = rival;
+            which.push(Cause { place: place.clone(), ..cause(&others, leads * odds(*less), total - less) });
+        }
+    }
     which.sort_by(|a, b| b.probability.total_cmp(&a.probability));
     which
 }

@@ -71,6 +71,7 @@ fn what_is_noisier_than_its_simulator_has_no_gap() {
         let log = log(noise, &[], seed);
         let diagnosis = real::diagnose(library(), &variants(), &log).unwrap();
         assert_eq!(diagnosis.verdict, Verdict::None, "{noise:?}: {:?}", diagnosis.which);
+        assert!(diagnosis.smallest_visible.len() >= 3, "{:?}", diagnosis.smallest_visible);
         let noisy = library().noisy_as(&log, Aside::default(), &[]).unwrap();
         let shape = &library().base.shape;
         for (group, ratio) in [(Numbers::SizeNoise, noise[1]), (Numbers::BearingNoise, noise[2])] {
@@ -101,6 +102,18 @@ fn several_effects_are_named_one_beside_another() {
         let sum: f64 = diagnosis.which.iter().map(|cause| cause.probability).sum();
         assert!((sum - 1.0).abs() < 0.02, "seed {seed}: {sum}");
     }
+}
+
+/// What nothing in the list explains is *unknown*, and its block is where it acts; not *none*.
+#[test]
+fn a_gap_that_no_effect_explains_is_unknown() {
+    let listed: Vec<Variant> = variants().into_iter().filter(|it| it.about.name == "command_scale").collect();
+    let log = log([1.0; 3], &[planted("height_bias", 1.0, 3.0)], 15);
+    let diagnosis = real::diagnose(library(), &listed, &log).unwrap();
+    assert_eq!(diagnosis.verdict, Verdict::Unknown, "{:?}", diagnosis.which);
+    assert_eq!(diagnosis.which[0].effects, ["unknown"]);
+    assert!(matches!(diagnosis.which[0].block.as_deref(), Some("sensor" | "all")), "{:?}", diagnosis.which[0]);
+    assert!(diagnosis.which.iter().all(|cause| cause.place.is_none() || cause.effects[0] == "command_scale"));
 }
 
 /// What noise was learned from is not asked again.

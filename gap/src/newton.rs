@@ -1,0 +1,87 @@
+//! Newton's method on a log-likelihood that is a sum over steps, with the curvature of the steps' scores (Berndt, Hall, Hall
+//! and Hausman 1974).
+
+use asami_math::decomposition::{cholesky, cholesky_solve};
+use asami_math::elementary::ln;
+
+/// The curvature at a point.
+pub struct Curvature {
+    /// Its lower triangular factor.
+    l: Vec<Vec<f64>>,
+}
+
+impl Curvature {
+    /// Of scores, a row for each direction and in it a number for each step, and a Gaussian prior of this precision; `None`
+    /// where they are not finite.
+    #[must_use]
+    pub fn new(scores: &[Vec<f64>], precision: f64) -> Option<Self> {
+        let p = scores.len();
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
+        let mut curvature = vec![vec![0.0; p]; p];
+        for i in 0..p {
+            for j in 0..=i {
+                curvature[i][j] = product(&scores[i], &scores[j]) + if i == j { precision } else { 0.0 };
+                curvature[j][i] = curvature[i][j];
+            }
+        }
+        Some(Self { l: cholesky(&curvature)? })
+    }
+
+    /// The step of Newton's method where the log-likelihood has this slope.
+    #[must_use]
+    pub fn step(&self, slope: &[f64]) -> Vec<f64> {
+        cholesky_solve(&self.l, slope)
+    }
+
+    /// The logarithm of its determinant.
+    #[must_use]
+    pub fn ln_determinant(&self) -> f64 {
+        2.0 * self.l.iter().enumerate().fold(0.0, |sum, (i, row)| sum + ln(row[i]))
+    }
+
+    /// Variances of what is found.
+    #[must_use]
+    pub fn variances(&self) -> Vec<f64> {
+        let p = self.l.len();
+        let unit = |i: usize| (0..p).map(|j| if i == j { 1.0 } else { 0.0 }).collect::<Vec<f64>>();
+        (0..p).map(|i| cholesky_solve(&self.l, &unit(i))[i]).collect()
+    }
+}
+
+/// Shares of a step that are tried until one is no step down.
+const SHORTER: [f64; 4] = [1.0, 0.5, 0.2, 0.05];
+
+/// The best of a step's shares, if any is better than `here`: shortened until it is no longer a step down; then the `longer`
+/// ones. `along` gives what is reached at a share, its value first.
+pub fn climb<T>(here: f64, longer: &[f64], along: impl Fn(f64) -> (f64, T)) -> Option<(f64, T)> {
+    let better = SHORTER.into_iter().map(&along).find(|(found, _)| *found > here)?;
+    Some(longer.iter().map(|share| along(*share)).fold(better, |best, it| if it.0 > best.0 { it } else { best }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of two directions with scores of their own the step is that of each; their variances and the determinant too.
+    #[test]
+    fn curvature_is_that_of_the_scores() {
+        let scores = [vec![1.0, -1.0, 1.0, -1.0], vec![2.0, 2.0, -2.0, -2.0]];
+        let curvature = Curvature::new(&scores, 0.0).unwrap();
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+        let step = curvature.step(&[2.0, 4.0]);
+        near(step[0], 0.5);
+        near(step[1], 0.25);
+        near(curvature.variances()[0], 0.25);
+        near(curvature.variances()[1], 1.0 / 16.0);
+        near(curvature.ln_determinant(), 64.0_f64.ln());
+        assert!(Curvature::new(&[vec![f64::NAN]], 1.0).is_none());
+    }
+
+    #[test]
+    fn a_step_is_shortened_until_it_climbs_and_lengthened_while_that_helps() {
+        let hill = |top: f64| move |share: f64| (-(share - top).powi(2), share);
+        let share = |top: f64| climb(-top * top, &[2.0, 4.0], hill(top)).map(|it| it.1);
+        assert_eq!([0.15, 0.9, 1.8, 5.0].map(share), [Some(0.2), Some(1.0), Some(2.0), Some(4.0)]);
+        assert_eq!(share(-1.0), None);
+    }
+}
