@@ -46,11 +46,12 @@ struct Window {
     turn_rad: f64,
 }
 
-/// What the truth of a wheeled robot's log shows; nothing where there is too little of it.
+/// What the truth of a wheeled robot's log shows; nothing where there is too little of it. `own_lag_s` is the time constant
+/// that the nominal robot has by itself: an effect's is on top of it.
 #[must_use]
-pub fn capture(dataset: &Dataset) -> Capture {
+pub fn capture(dataset: &Dataset, own_lag_s: f64) -> Capture {
     let mut capture = Capture::default();
-    motion(dataset, &mut capture);
+    motion(dataset, own_lag_s, &mut capture);
     sightings(dataset, &mut capture);
     capture
 }
@@ -174,7 +175,7 @@ fn fit(commands: &[Command], windows: &[Window], late: Late, [scaled, bent]: [bo
     Left { late, forward, turn, bend_rad_per_m: bend, squares }
 }
 
-fn motion(dataset: &Dataset, capture: &mut Capture) {
+fn motion(dataset: &Dataset, own_lag_s: f64, capture: &mut Capture) {
     let (commands, windows) = (&dataset.log.commands, windows(&dataset.truth.track));
     if windows.len() < LEAST || !commands.iter().any(|it| matches!(it.action, Action::Wheels { .. })) {
         return;
@@ -220,7 +221,7 @@ fn motion(dataset: &Dataset, capture: &mut Capture) {
     for late in [delayed.late, lagged.late] {
         match late {
             Late::Delay(delay_s) => value("command_delay.delay_s", delay_s),
-            Late::Lag(lag_s) => value("wheel_lag.lag_s", lag_s),
+            Late::Lag(lag_s) => value("wheel_lag.lag_s", (lag_s - own_lag_s).max(0.0)),
         }
     }
 }
@@ -330,7 +331,7 @@ mod tests {
 
     #[test]
     fn what_was_put_in_is_shown() {
-        let found = capture(&log(0.3));
+        let found = capture(&log(0.3), 0.0);
         let near = |name: &str, expected: f64, tolerance: f64| {
             let value = found.values[name];
             assert!((value - expected).abs() < tolerance, "{name}: {value}, not {expected}");
@@ -344,17 +345,19 @@ mod tests {
         near("range_offset.offset_m", 0.1, 1e-6);
         near("depth_for_range.share", 1.0, 1e-6);
         near("pan_offset.offset_rad", 0.02, 1e-9);
-        let at_once = capture(&log(0.0)).shares;
+        let less = capture(&log(0.3), 0.03).values["wheel_lag.lag_s"];
+        near("wheel_lag.lag_s", less + 0.03, 1e-9);
+        let at_once = capture(&log(0.0), 0.0).shares;
         assert!(at_once[0].0 == "scale" && at_once[0].1 > 0.9, "{at_once:?}");
     }
 
     #[test]
     fn a_log_without_truth_shows_nothing() {
         let blind = Dataset { truth: Truth::default(), ..log(0.3) };
-        assert_eq!(capture(&blind), Capture::default());
+        assert_eq!(capture(&blind, 0.0), Capture::default());
         let mut short = log(0.3);
         short.truth.track = short.truth.track.window(&(0.0..5.0));
         short.log.sightings = short.log.sightings.window(&(0.0..5.0));
-        assert_eq!(capture(&short), Capture::default());
+        assert_eq!(capture(&short, 0.0), Capture::default());
     }
 }

@@ -45,9 +45,7 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
     let (name, about) = (&results.real.name, &results.real.asked.about);
     let counts = (results.records.len(), results.records.len());
     let manifest = manifest::of((name, results.real.hash()), counts, program);
-    let path = out.join("manifest.json");
-    let text = serde_json::to_string_pretty(&manifest).map_err(std::io::Error::other);
-    write("manifest.json", &(text.map_err(CannotSweep::file("serialise", &path))? + "\n"))?;
+    manifest.write(out)?;
     let mut report = Report::new(name, about);
     for (_, table) in &tables {
         report = report.section(Section::new(&table.name).table(table.clone()));
@@ -165,7 +163,8 @@ fn logs(results: &Results) -> Table {
     let mut table = Table::new("Real logs", &heads).caption(
         "Effects in the order in which they are named, the most evident first. Closed: the share of the gap, on held-out blocks, \
          that they close; unknown: the share that remains, and the flexible block that it shows in. By motion capture: the \
-         discrepancy of motion that by itself explains most (scale of speeds, bend of straight lines, delay, lag), and its share.",
+         discrepancy of motion that by itself explains most (scale of speeds, bend of straight lines, delay, lag), and its share. \
+         Halves agree that have the same verdict and the same most evident effect.",
     );
     for record in results.records.iter().filter(|record| record.part == Part::Whole) {
         let Some(diagnosis) = &record.diagnosis else {
@@ -206,7 +205,9 @@ fn held(results: &Results) -> Table {
     let heads =
         ["log", "robot", "parameter", "unit", "found", "90 % interval", "motion capture", "first half", "second half"];
     let mut table = Table::new("Sizes found in real logs, beside motion capture", &heads).caption(
-        "Motion capture's numbers are each of its own discrepancy alone: the best delay or the best lag, not both at once.",
+        "Motion capture's numbers are each of its own discrepancy alone: the best delay or the best lag, not both at once; a lag \
+         is on top of the nominal robot's own. Capture has a clock and a heading of its own: what a camera is late, or turned \
+         against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing.",
     );
     for record in results.records.iter().filter(|record| record.part == Part::Whole) {
         let Some(cause) = record.diagnosis.as_ref().and_then(said) else { continue };

@@ -18,6 +18,7 @@ use crate::diagnose::limits::limits;
 use crate::diagnose::progress::Listener;
 use crate::diagnose::{self, Ready};
 use crate::import;
+use crate::scenario::Policy;
 use crate::sweep::cases::Store;
 use crate::sweep::{CannotSweep, Options, Timing, Watcher, manifest};
 use crate::trial::{self, panic_message};
@@ -223,7 +224,11 @@ impl Prepared<'_> {
         let (first_s, last_s) = log.span_s().unwrap_or_default();
         let mut seen = Dataset { log, ..self.dataset.clone() };
         seen.truth.track = seen.truth.track.window(&(first_s..last_s));
-        let captured = capture(&seen);
+        let own_lag_s = match &self.ready.held.simulation.drive {
+            Policy::Roam(roams) => roams.create.wheels.lag_s,
+            _ => 0.0,
+        };
+        let captured = capture(&seen, own_lag_s);
         Record {
             log: self.source.name.clone(),
             robot: self.robot,

@@ -30,9 +30,7 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
     let cases = results.records.len();
     let counts = (cases, cases * results.blind.asked.diagnosers.len());
     let manifest = manifest::of((&results.blind.name, results.blind.hash()), counts, program);
-    let path = out.join("manifest.json");
-    let text = serde_json::to_string_pretty(&manifest).map_err(std::io::Error::other);
-    write("manifest.json", &(text.map_err(CannotSweep::file("serialise", &path))? + "\n"))?;
+    manifest.write(out)?;
 
     let verdicts = tables::verdicts(results);
     let figures = figures(results);

@@ -5,7 +5,8 @@ use std::process::Command;
 
 use serde::Serialize;
 
-use super::Results;
+use super::cases::write_whole;
+use super::{CannotSweep, Results};
 use crate::scenario::Scenario;
 use crate::study::Study;
 
@@ -40,6 +41,18 @@ pub struct Manifest {
     pub cases: usize,
     /// Number of trials.
     pub trials: usize,
+}
+
+impl Manifest {
+    /// Writes `manifest.json` under `out`.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write(&self, out: &Path) -> Result<(), CannotSweep> {
+        let path = out.join("manifest.json");
+        let text = serde_json::to_string_pretty(self).map_err(std::io::Error::other);
+        write_whole(&path, (text.map_err(CannotSweep::file("serialise", &path))? + "\n").as_bytes())
+    }
 }
 
 /// The repository that the program was built in, where it still is there; else the current folder.

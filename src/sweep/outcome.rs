@@ -49,10 +49,7 @@ impl<S: Tallied> Outcome<S> {
         }
         write("statistics.csv", &statistics_csv(&self.results, &self.tallies))?;
         write("comparisons.csv", &comparisons_csv(&self.results, &self.comparisons))?;
-        let path = out.join("manifest.json");
-        let manifest = serde_json::to_string_pretty(&manifest::manifest(&self.results, finishing.program));
-        let manifest = manifest.map_err(std::io::Error::other).map_err(CannotSweep::file("serialise", &path))?;
-        write("manifest.json", &(manifest + "\n"))
+        manifest::manifest(&self.results, finishing.program).write(out)
     }
 
     /// What a terminal shows at the end: question, first table, expected answers, errors.

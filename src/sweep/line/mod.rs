@@ -120,16 +120,13 @@ impl Outcome {
     /// If a file cannot be written.
     pub fn write(&self, out: &Path, program: &str) -> Result<(), CannotSweep> {
         shared::write(&self.results, &rows::trials(&self.results), out)?;
-        let manifest = serde_json::to_string_pretty(&manifest::manifest(&self.results, program));
-        let path = out.join("manifest.json");
-        let manifest = manifest.map_err(std::io::Error::other).map_err(CannotSweep::file("serialise", &path))?;
+        manifest::manifest(&self.results, program).write(out)?;
         let files = [
             ("table_3_1.csv", table::csv(&self.lines)),
             ("table_3_1.md", table::markdown(&self.lines)),
             ("table_3_1.tex", table::tex(&self.lines)),
             ("statistics.csv", table::statistics_csv(&self.results, &self.summaries)),
             ("comparisons.csv", table::comparisons_csv(&self.results, &self.comparisons)),
-            ("manifest.json", manifest + "\n"),
         ];
         for (name, text) in files {
             cases::write_whole(&out.join(name), text.as_bytes())?;
