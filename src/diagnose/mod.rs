@@ -215,7 +215,14 @@ impl Answer {
     /// # Errors
     /// [`CannotDiagnose`] says what is missing.
     pub fn new(log: &Log, asked: &Asked, listener: &dyn Listener) -> Result<(Self, Ready), CannotDiagnose> {
-        let Limited { log, notes } = limits::limits(log)?;
+        let Limited { log, mut notes } = limits::limits(log)?;
+        if asked.real {
+            notes.push(
+                "a quarter of the log, in pieces of 20 s, says how noisy robot and sensor are; it is not diagnosed, and \
+                 probabilities are not calibrated"
+                    .to_owned(),
+            );
+        }
         notes.iter().for_each(|note| listener.says(&format!("note: {note}")));
         let ready = Ready::new(&log, asked, listener)?;
         listener.says("reading the log");

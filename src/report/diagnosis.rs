@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use asami_gap::Diagnosis;
-use asami_gap::diagnosis::{Cell as Place, Verdict};
+use asami_gap::diagnosis::{Cause, Cell as Place, Verdict};
 use asami_sim::effects::catalogue;
 
 use super::{Cell, Plate, Report, RowKind, Section, Table};
@@ -147,6 +147,17 @@ fn map(diagnosis: &Diagnosis) -> Map {
 /// Causes less probable than this stand only in the file: each has as much for the chance that all evidence misleads.
 const SHOWN: f64 = 1e-3;
 
+/// So many effects at once are written out beside a bar, and described in the table.
+const FEW: usize = 2;
+
+/// A cause's name beside its bar: of many effects the first, with the cause's rank, since others may begin alike.
+fn label(rank: usize, effects: &[String]) -> String {
+    match effects {
+        [first, ..] if effects.len() > FEW => format!("{rank}: {first} + {} more", effects.len() - 1),
+        _ => joined(effects),
+    }
+}
+
 fn cause(diagnosis: &Diagnosis, beside: &Beside) -> Section {
     let heads =
         ["cause", "probability", "evidence (nats)", "fits by itself (p)", "acts in", "values, 90 %", "what it is"];
@@ -157,13 +168,15 @@ fn cause(diagnosis: &Diagnosis, beside: &Beside) -> Section {
     );
     let what = |names: &[String]| {
         let of = |name: &String| catalogue().into_iter().find(|about| about.name == name).map(|about| about.what);
-        names.iter().filter_map(of).collect::<Vec<_>>().join(" ")
+        // Of many at once the names must do.
+        let few = if names.len() <= FEW { names } else { &[] };
+        few.iter().filter_map(of).collect::<Vec<_>>().join(" ")
     };
     for cause in diagnosis.which.iter().filter(|cause| cause.probability >= SHOWN) {
         let probability = Cell { text: share(cause.probability), value: Some(cause.probability), hint: String::new() };
         let mut acts: Vec<String> = cause.place.iter().cloned().collect();
         acts.extend(cause.block.iter().map(|block| format!("block {}", block.replace('_', " "))));
-        acts.extend(cause.behaves_like.iter().map(|like| format!("like {like}")));
+        acts.extend(cause.behaves_like.iter().map(|like| format!("like {}", like.replace('+', " + "))));
         let values = cause.parameters.iter().map(|(path, it)| format!("{path} = {}", estimated(path, it)));
         table = table.row(
             RowKind::Ours,
@@ -178,8 +191,11 @@ fn cause(diagnosis: &Diagnosis, beside: &Beside) -> Section {
             ],
         );
     }
-    let bars: Vec<(String, Vec<[f64; 2]>)> = (diagnosis.which.iter().take(12).rev())
-        .map(|cause| (joined(&cause.effects), vec![[0.0, cause.probability]]))
+    let ranked: Vec<(usize, &Cause)> = (1..).zip(diagnosis.which.iter().take(12)).collect();
+    let bars: Vec<(String, Vec<[f64; 2]>)> = ranked
+        .into_iter()
+        .rev()
+        .map(|(rank, cause)| (label(rank, &cause.effects), vec![[0.0, cause.probability]]))
         .collect();
     let figure = Figure::new("Ranked causes", "Probability of each cause")
         .x("probability", "")
@@ -297,4 +313,17 @@ fn visible(diagnosis: &Diagnosis) -> Section {
     }
     let section = Section::new("What would have shown").table(table);
     if diagnosis.verdict == Verdict::None { section } else { section.folded() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_effects_are_counted_beside_a_bar_and_few_are_named() {
+        let names =
+            |n: usize| ["slope", "payload", "wheel_lag"][..n].iter().map(|it| (*it).to_owned()).collect::<Vec<_>>();
+        let labels = [1, 2, 3].map(|n| label(4, &names(n)));
+        assert_eq!(labels, ["slope", "slope + payload", "4: slope + 2 more"]);
+    }
 }
