@@ -4,6 +4,9 @@
 use std::path::Path;
 use std::process::Command;
 
+/// Nothing that learns a response uses what is in here (tests/arrows.rs): when it changes, responses are as good as before.
+const LEARNS_NOTHING: &str = "gap/src/real";
+
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
@@ -22,6 +25,7 @@ fn main() {
 /// Fowler, Noll and Vo's hash (FNV-1a) over names and contents of all files below, in order of their names.
 fn digest(path: &Path, hash: &mut u64) {
     let mut below: Vec<_> = std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+    below.retain(|path| path != Path::new(LEARNS_NOTHING));
     below.sort();
     let contents = if path.is_file() { std::fs::read(path).unwrap_or_default() } else { Vec::new() };
     for byte in path.to_string_lossy().bytes().chain(contents) {

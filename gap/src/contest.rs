@@ -136,6 +136,7 @@ impl Diagnosis {
             next_experiment: None,
             next_keys: None,
             smallest_visible: std::collections::BTreeMap::new(),
+            astray_s: None,
             calibrated_on: None,
             how_far: HowFar { comment: "not asked".to_owned(), ..HowFar::default() },
         }

@@ -35,6 +35,9 @@ pub struct Diagnosis {
     /// For each effect's sized parameter, `NAME.PARAM`, the smallest distance from its null value that this
     /// log would have shown.
     pub smallest_visible: BTreeMap<String, f64>,
+    /// For how long, in seconds, a real robot did not do what it was told, whatever is found: not scored; `None` of other logs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub astray_s: Option<f64>,
     /// What the probabilities were calibrated on; `None`: they are the evidence as it is.
     pub calibrated_on: Option<CalibratedOn>,
     /// The gap before and after the most probable cause is added.

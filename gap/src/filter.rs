@@ -18,6 +18,8 @@ use crate::shape::{CHANGING, Numbers, Shape, Sight, speed_class};
 use crate::state::{Belief, STEADY, SWAYING, SWAYS, State};
 use crate::view::{Seen, View};
 
+/// Variances that a second adds where a robot goes astray: 0.3 m to the right and forwards, a radian.
+const ASTRAY: [f64; 3] = [0.1, 0.1, 1.0];
 /// A sway is not followed over a gap of so many frames.
 const GAP: f64 = 2.5;
 
@@ -193,7 +195,8 @@ impl<'a> Ready<'a> {
         state.mean[2] = wrap_rad(state.mean[2]);
         let step = &view.steps[i];
         let [class, changing] = [speed_class(step.attempt), CHANGING].map(|it| &self.variances[3 * it..3 * it + 3]);
-        let q = Vector3::from_fn(|axis, _| step.dt_s * (class[axis] + step.changing * changing[axis]));
+        let anywhere = if step.astray { ASTRAY } else { [0.0; 3] };
+        let q = Vector3::from_fn(|axis, _| step.dt_s * (class[axis] + step.changing * changing[axis] + anywhere[axis]));
         let q = rotation * Matrix3::from_diagonal(&q) * rotation.transpose();
         let gap = view.steps[i].dt_s > GAP * self.memory.frame_s;
         if gap {

@@ -24,7 +24,6 @@ pub mod groups;
 pub mod hears;
 pub mod how_far;
 pub mod judge;
-pub mod layers;
 pub mod library;
 pub mod memory;
 pub mod newton;

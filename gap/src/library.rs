@@ -84,6 +84,9 @@ pub struct Library {
     /// Where the log at hand said how noisy it is: what was learned from is not scored.
     #[serde(skip)]
     pub aside: Option<Aside>,
+    /// Spans of time, from and to, in which the robot of this log does not do what it is told; of nominal logs none.
+    #[serde(skip)]
+    pub astray: Vec<[f64; 2]>,
 }
 
 /// The nominal response.
@@ -215,7 +218,7 @@ impl Base {
     /// The numbers near these that make logs most likely, block by block: how a head that follows a landmark answers to a
     /// sway, and what is left of a rhythm, shows in what a filter expects, and not in runs with their truth.
     fn polished(&self, numbers: &[f64], runs: &[Dataset], of: &[&'static str]) -> Vec<f64> {
-        let alone = Library { base: self.clone(), entries: Vec::new(), aside: None };
+        let alone = Library { base: self.clone(), entries: Vec::new(), aside: None, astray: Vec::new() };
         let judges: Vec<Sighted<'_>> =
             runs.iter().take(POLISHED).filter_map(|run| Sighted::new(&run.log, &alone).ok()).collect();
         let judges: Vec<&dyn Judge> = judges.iter().map(|judge| judge as &dyn Judge).collect();
@@ -244,7 +247,7 @@ impl Base {
 
     /// How far the nominal logs' innovations scatter, once sways are taken into account.
     fn spread(&self, runs: &[Dataset]) -> [f64; 2] {
-        let alone = Library { base: self.clone(), entries: Vec::new(), aside: None };
+        let alone = Library { base: self.clone(), entries: Vec::new(), aside: None, astray: Vec::new() };
         let (mut squares, mut n) = ([0.0; 2], 0.0);
         for judge in runs.iter().filter_map(|run| Sighted::new(&run.log, &alone).ok()) {
             for it in judge.filtered(&self.numbers).innovations.iter().filter(|it| it.genuine > 0.5) {
@@ -350,7 +353,7 @@ impl Library {
         let base = Base::learn(nominal, budget)?;
         let learn = |variant: &Variant| Entry::learn(nominal, &base, variant, budget);
         let entries: Result<Vec<Entry>, CannotPlay> = variants.par_iter().map(learn).collect();
-        Ok(Self { entries: entries?, base, aside: None })
+        Ok(Self { entries: entries?, base, aside: None, astray: Vec::new() })
     }
 
     /// The entry of a kind of effect.

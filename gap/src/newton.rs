@@ -39,6 +39,26 @@ impl Curvature {
         2.0 * self.l.iter().enumerate().fold(0.0, |sum, (i, row)| sum + ln(row[i]))
     }
 
+    /// Variances of what is found, however its steps' scores hang on one another within a block: `block` says for each step
+    /// in which of them it is, from 0 on (Huber 1967, White 1982; of blocks in place of steps: Liang and Zeger 1986).
+    #[must_use]
+    pub fn variances_by_block(&self, scores: &[Vec<f64>], block: &[usize]) -> Vec<f64> {
+        let blocks = block.iter().max().map_or(0, |last| last + 1);
+        let of = |i: usize| {
+            let unit: Vec<f64> = (0..scores.len()).map(|j| if i == j { 1.0 } else { 0.0 }).collect();
+            let along = cholesky_solve(&self.l, &unit);
+            let mut sums = vec![0.0; blocks];
+            for (step, b) in block.iter().enumerate() {
+                sums[*b] += along.iter().zip(scores).fold(0.0, |sum, (share, score)| sum + share * score[step]);
+            }
+            let n = blocks as f64;
+            let mean = sums.iter().fold(0.0, |sum, it| sum + it) / n;
+            let squares = sums.iter().fold(0.0, |sum, it| sum + (it - mean) * (it - mean));
+            squares * n / (n - 1.0)
+        };
+        (0..scores.len()).map(of).collect()
+    }
+
     /// Variances of what is found.
     #[must_use]
     pub fn variances(&self) -> Vec<f64> {
@@ -75,6 +95,19 @@ mod tests {
         near(curvature.variances()[1], 1.0 / 16.0);
         near(curvature.ln_determinant(), 64.0_f64.ln());
         assert!(Curvature::new(&[vec![f64::NAN]], 1.0).is_none());
+    }
+
+    /// Scores that come in fours say a quarter as much as they seem to.
+    #[test]
+    fn what_is_said_again_is_not_said_twice() {
+        let signs = [1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0, -1.0];
+        let again: Vec<f64> = signs.iter().flat_map(|sign| [*sign; 4]).collect();
+        let curvature = Curvature::new(std::slice::from_ref(&again), 0.0).unwrap();
+        let by_step = curvature.variances_by_block(std::slice::from_ref(&again), &(0..32).collect::<Vec<_>>())[0];
+        assert!((by_step - curvature.variances()[0] * 32.0 / 31.0).abs() < 1e-12);
+        let fours: Vec<usize> = (0..32).map(|step| step / 4).collect();
+        let by_four = curvature.variances_by_block(&[again], &fours)[0];
+        assert!((by_four - 4.0 * curvature.variances()[0] * 8.0 / 7.0).abs() < 1e-12, "{by_four}");
     }
 
     #[test]

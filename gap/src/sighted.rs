@@ -17,7 +17,7 @@ use crate::regimes::{channels, regimes};
 use crate::rhythm::Heard;
 use crate::shape::{Numbers, Shape, Sight};
 use crate::state::Belief;
-use crate::view::{CannotSee, View};
+use crate::view::{CannotSee, Step, View};
 
 /// The effect that shows in what is missed alone.
 const MISSES: &str = "missed_sightings";
@@ -32,6 +32,8 @@ const TRIED: usize = 60;
 pub struct Sighted<'a> {
     /// The nominal response and the effects'.
     pub library: &'a Library,
+    /// How noise hangs together: the library's, to begin with.
+    pub memory: Memory,
     /// The log.
     pub view: View,
     start: Belief,
@@ -64,14 +66,18 @@ impl<'a> Sighted<'a> {
             let heard = heard(&library.base, &view);
             view.steady(&library.base.rhythm.of(&heard));
         }
+        for step in &mut view.steps {
+            step.astray = library.astray.iter().any(|[from_s, to_s]| (*from_s..*to_s).contains(&step.t_s));
+        }
         let begin = view.steps.iter().position(|step| !step.seen.is_empty()).unwrap_or(0);
         let settled_s = view.steps[begin].t_s + SETTLING_S;
-        let scored: Vec<bool> = view.steps[begin..].iter().map(|step| step.t_s >= settled_s && of(step.t_s)).collect();
+        let counts = |step: &Step| step.t_s >= settled_s && !step.astray && of(step.t_s);
+        let scored: Vec<bool> = view.steps[begin..].iter().map(counts).collect();
         let start = start(&library.base.shape, &library.base.numbers, &view, begin);
         let counted = counted(&library.base.shape, &library.base.numbers, &view, begin, &mut start.clone());
         let steps = view.steps[begin..].iter().zip(&scored).filter(|(_, scored)| **scored);
         let moments = steps.map(|(step, _)| Moment { t_s: step.t_s, seen: step.seen.len() }).collect();
-        Ok(Self { library, view, start, begin, scored, counted, moments })
+        Ok(Self { library, memory: library.base.memory, view, start, begin, scored, counted, moments })
     }
 
     /// The log filtered under a response, as far as it is scored.
@@ -85,8 +91,8 @@ impl<'a> Sighted<'a> {
     /// Filters the log under a response for somebody. Gives how often each bin of detection was visited, too.
     fn told<H: Hears>(&self, numbers: &[f64], heard: H) -> (H, Vec<f64>) {
         let mut scored = Scored { scored: &self.scored, heard };
-        let Base { shape, memory, .. } = &self.library.base;
-        let walk = Walk { shape, numbers, memory: *memory, view: &self.view, counted: &self.counted };
+        let shape = &self.library.base.shape;
+        let walk = Walk { shape, numbers, memory: self.memory, view: &self.view, counted: &self.counted };
         let visits = walk.tell(&mut scored, self.begin..self.view.steps.len(), &mut self.start.clone());
         (scored.heard, visits)
     }

@@ -67,6 +67,8 @@ pub struct Step {
     pub seen: std::ops::Range<usize>,
     /// Whether there was a frame, so that a miss is one.
     pub looked: bool,
+    /// Whether the robot may go anywhere meanwhile, whatever it was told.
+    pub astray: bool,
 }
 
 /// A log, ready to be filtered.
@@ -156,6 +158,7 @@ impl View {
                 changing: columns.changing(&row),
                 seen: start..view.seen.len(),
                 looked: *looked,
+                astray: false,
             });
         }
         let seen = view.steps.iter().filter(|step| !step.seen.is_empty()).count();

@@ -6,8 +6,8 @@ use asami_dataset::log::RangeBearing;
 use asami_dataset::{Known, Log, Seed};
 use asami_gap::aside::Aside;
 use asami_gap::diagnosis::{Diagnosis, Verdict};
-use asami_gap::layers::{layers, planted as of_layers};
 use asami_gap::library::{Budget, play};
+use asami_gap::real::layers::{Least, layers, planted as of_layers};
 use asami_gap::shape::Numbers;
 use asami_gap::view::View;
 use asami_gap::{Library, Planted, Responds, Variant, real};
@@ -72,7 +72,7 @@ fn what_is_noisier_than_its_simulator_has_no_gap() {
         let diagnosis = real::diagnose(library(), &variants(), &log).unwrap();
         assert_eq!(diagnosis.verdict, Verdict::None, "{noise:?}: {:?}", diagnosis.which);
         assert!(diagnosis.smallest_visible.len() >= 3, "{:?}", diagnosis.smallest_visible);
-        let noisy = library().noisy_as(&log, Aside::default(), &[]).unwrap();
+        let noisy = library().noisy_as(&log, Aside::default(), &[], None).unwrap();
         let shape = &library().base.shape;
         for (group, ratio) in [(Numbers::SizeNoise, noise[1]), (Numbers::BearingNoise, noise[2])] {
             let at = shape.range(group).start;
@@ -121,7 +121,7 @@ fn a_gap_that_no_effect_explains_is_unknown() {
 fn what_is_set_aside_is_not_scored() {
     let log = log([1.0; 3], &[planted("command_scale", -1.0, 0.1)], 20);
     let aside = Aside::default();
-    let noisy = library().noisy_as(&log, aside, &[]).unwrap();
+    let noisy = library().noisy_as(&log, aside, &[], None).unwrap();
     let (all, rest) = (library().judge(&log).unwrap(), noisy.judge(&log).unwrap());
     let scored: Vec<f64> = rest.steps().iter().map(|step| step.t_s).collect();
     assert!(scored.iter().all(|t_s| !aside.holds(*t_s)));
@@ -129,7 +129,7 @@ fn what_is_set_aside_is_not_scored() {
     // Blocks of 20 s, of 180 s: three of nine.
     assert!((share - 6.0 / 9.0).abs() < 0.03, "{share}");
     assert_eq!(rest.read(&rest.numbers(&[])).log_likelihoods.len(), scored.len());
-    let found = layers(&*rest, &variants(), 10.0, 0.0);
+    let found = layers(&*rest, &variants(), Least { nats: 10.0, share: 0.0 });
     assert_eq!(of_layers(&found).len(), 1, "{found:?}");
 }
 

@@ -168,6 +168,7 @@ learner = "canonical"
             next_experiment: None,
             next_keys: None,
             smallest_visible: BTreeMap::new(),
+            astray_s: None,
             calibrated_on: None,
             how_far: asami_gap::diagnosis::HowFar::default(),
         };

@@ -67,6 +67,12 @@ pub fn text(diagnosis: &Diagnosis) -> String {
             say("", &format!("RMS of innovations: {}", channels.join(", ")));
         }
     }
+    if let Some(astray_s) = diagnosis.astray_s.filter(|it| *it > 0.0) {
+        say(
+            "astray",
+            &format!("for {astray_s:.0} s the robot did not do what it was told, whatever is found: not scored"),
+        );
+    }
     if diagnosis.verdict == Verdict::None && !diagnosis.smallest_visible.is_empty() {
         let visible =
             diagnosis.smallest_visible.iter().map(|(path, size)| format!("{path} {}", with_unit(path, *size)));

@@ -3,6 +3,8 @@
 //! A diagnosis is given the log alone. What [`capture`] shows of the true track stands beside it afterwards.
 
 pub mod capture;
+pub mod foretold;
+pub mod learning;
 pub mod odometry;
 pub mod scenario;
 pub mod tables;

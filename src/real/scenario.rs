@@ -6,7 +6,7 @@ use asami_dataset::parameters::Fault;
 use serde::{Deserialize, Serialize};
 
 use crate::import;
-use crate::scenario::{Bad, wire};
+use crate::scenario::{Bad, Start, wire};
 
 /// A checked scenario.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -27,8 +27,22 @@ pub struct Asked {
     pub study: String,
     /// The question.
     pub about: String,
+    /// What is learned in the nominal and in the repaired world.
+    pub learning: Option<Learning>,
     /// The logs.
     pub logs: Vec<Source>,
+}
+
+/// What is learned from real logs and from simulated ones in their place.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Learning {
+    /// Rows of the scenarios that logs are learned in.
+    pub learners: Vec<String>,
+    /// What they start from.
+    pub starting_model: Start,
+    /// So many simulated logs of each world in the place of each real one.
+    pub seeds: u32,
 }
 
 /// Where logs come from, and what they are held against.
@@ -45,8 +59,10 @@ pub struct Source {
     pub robots: Option<Vec<u16>>,
     /// The scenario of the nominal world: a shipped one's name.
     pub nominal: String,
-    /// Odometry stands in for commands, and is averaged over so long: see [`super::odometry`].
+    /// Odometry that is noisy at each reading stands in for commands, and is averaged over so long: see [`super::odometry`].
     pub average_s: Option<f64>,
+    /// The scenario by which this recording is learned from: a shipped one's name.
+    pub learned_in: Option<String>,
 }
 
 /// Reads and checks a scenario of real logs; `None` where the file asks another kind of question, or is no TOML at all, which
@@ -90,6 +106,14 @@ impl Asked {
         if self.logs.is_empty() {
             fault("logs".into(), "logs must hold at least one".into());
         }
+        if let Some(Learning { learners, seeds, .. }) = &self.learning {
+            if learners.is_empty() {
+                fault("learning.learners".into(), "learners must hold at least one".into());
+            }
+            if !(1..=100).contains(seeds) {
+                fault("learning.seeds".into(), format!("seeds must lie in 1..=100, not {seeds}"));
+            }
+        }
         let formats = import::catalogue();
         for (i, log) in self.logs.iter().enumerate() {
             let at = |key: &str| format!("logs.{i}.{key}");
@@ -103,6 +127,9 @@ impl Asked {
             };
             if let Some(average_s) = log.average_s.filter(|it| !(0.01..=10.0).contains(it)) {
                 fault(at("average_s"), format!("average_s must lie in 0.01..=10 s, not {average_s}"));
+            }
+            if log.learned_in.is_some() && self.learning.is_none() {
+                fault(at("learned_in"), "learned_in says nothing without a table [learning]".into());
             }
             let robots = log.robots.as_deref().unwrap_or_default();
             let holds = importer.robots();
@@ -152,6 +179,14 @@ mod tests {
         };
         assert!(said("\"mrclam\"", "\"clam\"").contains("unknown format `clam`"));
         assert!(said("nominal =", "average_s = 0.0\nnominal =").contains("average_s must lie in 0.01..=10 s, not 0"));
+        assert!(said("nominal =", "learned_in = \"mrclam\"\nnominal =").contains("without a table [learning]"));
+        let learning = |table: &str| said("[[logs]]", &format!("[learning]\n{table}\n[[logs]]"));
+        let none = learning("learners = []\nstarting_model = \"attempted\"\nseeds = 1");
+        assert!(none.contains("learners must hold at least one"), "{none}");
+        let many = learning("learners = [\"batch\"]\nstarting_model = \"attempted\"\nseeds = 101");
+        assert!(many.contains("seeds must lie in 1..=100, not 101"), "{many}");
+        let start = learning("learners = [\"batch\"]\nstarting_model = \"attemted\"\nseeds = 1");
+        assert!(start.contains("unknown variant `attemted`"), "{start}");
         assert!(said("[1, 2]", "[1, 9]").contains("a mrclam source has no robot 9"));
         assert!(said("robots = [1, 2]\n", "").contains("robots must say whose logs"));
         assert!(said("What parts them?", " ").contains("about must state the question"));

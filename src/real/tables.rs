@@ -6,6 +6,7 @@ use asami_dataset::store::number;
 use asami_gap::Diagnosis;
 use asami_gap::diagnosis::Cause;
 
+use super::foretold;
 use super::walk::{Part, Record, Results};
 use crate::diagnose::words;
 use crate::report::sweep::made_with;
@@ -30,7 +31,12 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
     write("trials.csv", &trials(results))?;
     write("parameters.csv", &parameters(results))?;
     write("timings.csv", &timings(results))?;
-    let tables = [("real", logs(results)), ("real_parameters", held(results))];
+    let mut tables = vec![("real", logs(results)), ("real_parameters", held(results))];
+    let foretold = foretold::foretold(&results.lessons);
+    if !foretold.is_empty() {
+        write("learning.csv", &foretold::csv(&results.real.name, &foretold))?;
+        tables.push(("real_learning", foretold::table(&foretold)));
+    }
     for (name, table) in &tables {
         write(&format!("{name}.csv"), &table.csv())?;
         write(&format!("{name}.md"), &table.markdown())?;

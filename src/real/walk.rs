@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::capture::capture;
+use super::learning::{Lesson, lessons};
 use super::odometry;
 use super::scenario::{Real, Source};
 use crate::diagnose::limits::limits;
@@ -103,6 +104,8 @@ pub struct Results {
     pub real: Real,
     /// For each log its parts.
     pub records: Vec<Record>,
+    /// What was learned from each log, and from simulated ones in its place.
+    pub lessons: Vec<Lesson>,
 }
 
 /// A log, and all that its diagnosis needs.
@@ -127,9 +130,8 @@ pub fn run(
 ) -> Result<Results, miette::Report> {
     let mut datasets: Vec<(&Source, Option<u16>, Dataset)> = Vec::new();
     for source in &real.asked.logs {
-        let path = data.map_or_else(|| manifest::repository().join(&source.source), Path::to_owned);
         for robot in robots(source) {
-            datasets.push((source, robot, imported(source, robot, &path)?));
+            datasets.push((source, robot, imported(source, robot, &place(source, data))?));
         }
     }
     let mut worlds: BTreeMap<&str, Ready> = BTreeMap::new();
@@ -149,7 +151,21 @@ pub fn run(
         .into_iter()
         .map(|(source, robot, dataset)| Prepared { source, robot, dataset, ready: &worlds[source.nominal.as_str()] })
         .collect();
-    diagnosed(real, &prepared, options, watcher).map_err(crate::verb::plain)
+    let records = diagnosed(real, &prepared, options, watcher).map_err(crate::verb::plain)?;
+    let mut all = Vec::new();
+    for source in &real.asked.logs {
+        if let Some(learning) = real.asked.learning.as_ref().filter(|_| source.learned_in.is_some()) {
+            listener.says(&format!("learning from {} and from simulated logs in its place", source.name));
+            let ready = &worlds[source.nominal.as_str()];
+            all.extend(lessons(learning, source, &place(source, data), &records, ready, options)?);
+        }
+    }
+    Ok(Results { real: real.clone(), records, lessons: all })
+}
+
+/// Where a recording lies.
+fn place(source: &Source, data: Option<&Path>) -> PathBuf {
+    data.map_or_else(|| manifest::repository().join(&source.source), Path::to_owned)
 }
 
 fn robots(source: &Source) -> Vec<Option<u16>> {
@@ -177,7 +193,7 @@ fn diagnosed(
     prepared: &[Prepared<'_>],
     options: &Options,
     watcher: &dyn Watcher,
-) -> Result<Results, CannotSweep> {
+) -> Result<Vec<Record>, CannotSweep> {
     let cases: Vec<(&Prepared<'_>, Part)> =
         prepared.iter().flat_map(|it| Part::ALL.into_iter().map(move |part| (it, part))).collect();
     let logs: Vec<String> = prepared.iter().map(|it| format!("{:?}", it.dataset.log)).collect();
@@ -187,7 +203,7 @@ fn diagnosed(
     let found = store.find::<Record>(&names)?;
     watcher.begins(&found.count, 1);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build()?;
-    let records = pool.install(|| {
+    pool.install(|| {
         let work: Vec<_> = cases.into_iter().zip(found.records).enumerate().collect();
         work.into_par_iter()
             .with_max_len(1)
@@ -201,9 +217,8 @@ fn diagnosed(
                 watcher.finished(&case, &record.timing);
                 Ok(record)
             })
-            .collect::<Result<Vec<Record>, CannotSweep>>()
-    });
-    Ok(Results { real: real.clone(), records: records? })
+            .collect()
+    })
 }
 
 impl Prepared<'_> {

@@ -122,7 +122,21 @@ impl Recorded {
                 wholes.push((part.robot, read(recording, part.robot, path)?));
             }
         }
-        for (_, whole) in &wholes {
+        Self::of(recording, wholes, path)
+    }
+
+    /// Data sets as they come, each robot's in the place of its recording; `path` says in errors which they are.
+    ///
+    /// # Errors
+    /// A report on which window lies outside the log.
+    pub fn of(
+        recording: &Recording,
+        mut wholes: Vec<(Option<u16>, Dataset)>,
+        path: &Path,
+    ) -> Result<Self, miette::Report> {
+        for (robot, whole) in &mut wholes {
+            prepare(recording, *robot, whole);
+            let whole = &*whole;
             let (first_s, last_s) = whole.log.span_s().unwrap_or((0.0, 0.0));
             for window in &recording.windows {
                 // The last row may come one period before the window ends.
@@ -142,10 +156,14 @@ impl Recorded {
 fn read(recording: &Recording, robot: Option<u16>, path: &Path) -> Result<Dataset, miette::Report> {
     let formats = import::catalogue();
     let importer = recording.format.as_deref().and_then(|name| formats.iter().find(|it| it.name == name));
-    let mut whole = match importer {
-        Some(importer) => importer.import(path, robot).map_err(|error| miette::miette!("{error}"))?.dataset,
-        None => crate::verb::dataset(path)?,
-    };
+    match importer {
+        Some(importer) => Ok(importer.import(path, robot).map_err(|error| miette::miette!("{error}"))?.dataset),
+        None => crate::verb::dataset(path),
+    }
+}
+
+/// Makes of a data set what its learners are given.
+fn prepare(recording: &Recording, robot: Option<u16>, whole: &mut Dataset) {
     if let Some(depths) = &recording.depths {
         let mut robots: Vec<Option<u16>> = recording.parts.iter().map(|part| part.robot).collect();
         robots.dedup();
@@ -153,9 +171,8 @@ fn read(recording: &Recording, robot: Option<u16>, path: &Path) -> Result<Datase
         whole.log = depths::ranges(&whole.log, depths.axis_of(place));
     }
     if let Some(binning) = &recording.binning {
-        bin(&mut whole, binning);
+        bin(whole, binning);
     }
-    Ok(whole)
 }
 
 /// Makes discrete actions of a log's commands; their true velocities are those of the track.

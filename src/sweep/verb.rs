@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use asami_learners::Learner;
 use miette::Report;
 
 use super::car::InTraffic;
@@ -68,6 +69,15 @@ pub fn plan(mut scenario: Scenario, asked: &Asked) -> Result<Plan, Report> {
             })?)
         }
     };
+    let learners = configured(&scenario)?;
+    Ok(Plan { scenario, source, learners })
+}
+
+/// One learner for each of a scenario's rows.
+///
+/// # Errors
+/// A report on which row's parameters are none of its learner's.
+pub fn configured(scenario: &Scenario) -> Result<Vec<Box<dyn Learner>>, Report> {
     let learners = scenario.rows.iter().enumerate().map(|(i, row)| {
         scenario.learners.configured(&row.learner, &row.with).map_err(|faults| {
             // The scenario's check has said so already; a plan made by hand may still get here.
@@ -75,8 +85,7 @@ pub fn plan(mut scenario: Scenario, asked: &Asked) -> Result<Plan, Report> {
             miette::miette!("row {}: {}", i + 1, said.join("; "))
         })
     });
-    let learners = learners.collect::<Result<Vec<_>, _>>()?;
-    Ok(Plan { scenario, source, learners })
+    learners.collect()
 }
 
 /// Leaves only the rows of these names in a scenario, and what is expected of them alone.

@@ -1,6 +1,10 @@
 //! The diagnosis of a real robot's log: how noisy it is, then everything that parts it from the nominal world, the largest
 //! first.
 
+pub mod astray;
+pub mod layers;
+mod noise;
+
 use std::collections::BTreeMap;
 
 use asami_dataset::Log;
@@ -14,28 +18,28 @@ use crate::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
 use crate::groups::smallest_visible;
 use crate::how_far::how_far;
 use crate::judge::Judge;
-use crate::layers::{Layer, layers, planted};
 use crate::library::Library;
 use crate::place::places;
 use crate::plant::Variant;
 use crate::sighted::Sighted;
 use crate::view::CannotSee;
+use layers::{Layer, Least, layers, planted, reconsidered};
 
 /// Noise is learned, effects are named, and again, for the noise is what the effects leave; the likeliest of these counts.
 const ROUNDS: usize = 4;
-/// An effect that is less evident is not named, in nats.
-const LEAST_NATS: f64 = 10.0;
-/// Nor one that adds less than this share to what those before it explain: so much may as well be what the nominal world's
-/// own shape, or the library, is off.
-const LEAST_SHARE: f64 = 0.01;
+/// In so many of the first ones it is looked for where the robot does not do what it is told.
+const LOOKING: usize = 2;
+/// What adds less than this share may as well be what the nominal world's own shape, or the library, is off.
+const LEAST: Least = Least { nats: 10.0, share: 0.01 };
 /// Where more of the gap than this remains with every effect in, something is unknown.
 const MOST_REMAINS: f64 = 0.3;
 /// Causes less probable than this are left out.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Diagnoses a log of a real robot. Effects of noise are not thought of: what is set aside says how large it is.
+/// Diagnoses a log of a real robot. Effects of noise are not thought of: what is set aside says how large it is. Nor is what the
+/// robot does where it does not do what it is told ([`astray`]).
 ///
-/// Probabilities are by layer: of an effect, its evidence over that of the others beside those before it. The probability of
+/// Probabilities are by layer: of an effect, its evidence over that of others in its place, beside all the rest. The probability of
 /// *unknown* is the share of the gap that remains; all of it, where nothing in the list explains a gap.
 ///
 /// # Errors
@@ -46,20 +50,27 @@ pub fn diagnose(library: &Library, variants: &[Variant], log: &Log) -> Result<Di
     let variants: Vec<Variant> =
         variants.iter().filter(|it| it.block() != Block::Noise).filter(shows).cloned().collect();
     let aside = Aside::default();
+    let mut library = library.clone();
     let mut best = (f64::NEG_INFINITY, library.clone(), Vec::new());
-    let mut found: Vec<Layer> = Vec::new();
-    for _ in 0..ROUNDS {
-        let noisy = library.noisy_as(log, aside, &planted(&found))?;
+    let (mut before, mut found): (Option<Library>, Vec<Layer>) = (None, Vec::new());
+    for round in 0..ROUNDS {
+        let noisy = library.noisy_as(log, aside, &planted(&found), before.as_ref())?;
         let judge = Sighted::new(log, &noisy)?;
-        found = layers(&judge, &variants, LEAST_NATS, LEAST_SHARE);
+        found = layers(&judge, &variants, LEAST);
         // Of what is not set aside: no noise was fitted to it.
         let likely = judge.log_likelihood(&planted(&found));
-        if likely > best.0 {
-            best = (likely, noisy, found.clone());
+        if round < LOOKING {
+            astray::add(&mut library.astray, &Sighted::scoring(log, &noisy, |_| true)?, &planted(&found));
+        } else if likely > best.0 {
+            best = (likely, noisy.clone(), found.clone());
         }
+        before = Some(noisy);
     }
     let (_, noisy, found) = best;
-    Ok(assembled(&Sighted::new(log, &noisy)?, &variants, &found))
+    let judge = Sighted::new(log, &noisy)?;
+    let found = reconsidered(&judge, &variants, found, LEAST);
+    let astray_s = noisy.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
+    Ok(Diagnosis { astray_s: Some(astray_s), ..assembled(&judge, &variants, &found) })
 }
 
 fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagnosis {
@@ -67,7 +78,7 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagno
     let (base, with) = (judge.numbers(&[]), judge.numbers(&all));
     let blocks = blocks::fit(judge, &with, &|_| true);
     let block = blocks.into_iter().reduce(|a, b| if b.evidence_nats > a.evidence_nats { b } else { a });
-    let evident = block.as_ref().is_some_and(|block| block.evidence_nats >= LEAST_NATS);
+    let evident = block.as_ref().is_some_and(|block| block.evidence_nats >= LEAST.nats);
     let far = if found.is_empty() { HowFar::default() } else { how_far(judge, &all) };
     let remains = match found {
         // All of it, where there is a gap at all.
@@ -94,6 +105,7 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagno
         next_experiment: None,
         next_keys: None,
         smallest_visible: smallest_visible(judge, variants),
+        astray_s: None,
         calibrated_on: None,
         how_far: far,
     }

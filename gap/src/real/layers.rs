@@ -1,0 +1,235 @@
+//! Many effects at once, one after another: what parts a real log from a nominal world is rarely one thing.
+//!
+//! Of all effects that with the greatest evidence is put into the world, then of the others that with the greatest evidence
+//! beside it, and so on. Before they are compared, the sizes of all that is in the world are found together: effects that act
+//! much alike hide one another as long as each is looked at by itself. In the end each is thought of again.
+
+use asami_math::elementary::{exp, ln};
+
+use crate::evidence::{CLOSE, Weighed, weigh};
+use crate::judge::{Judge, Moment};
+use crate::newton::{Curvature, climb};
+use crate::plant::{Planted, Variant};
+
+/// At most so many effects.
+const MOST: usize = 8;
+/// So many of the most evident are tried with all sizes found together.
+const TRIED: usize = 6;
+/// Those that gain less by themselves are not, in nats.
+const LEAST_ALONE_NATS: f64 = 1.0;
+/// Steps of Newton's method.
+const STEPS: usize = 8;
+/// A step that gains less is the last, in nats.
+const GAINS_NOTHING_NATS: f64 = 0.05;
+/// Differences are taken over such a change of a size's logarithm.
+const DIFFERENCE: f64 = 0.02;
+/// No step changes a size by more, by its logarithm.
+const LONGEST: f64 = 1.0;
+/// Precision of a prior that leaves a size which changes nothing where it is.
+const NEXT_TO_NOTHING: f64 = 1e-3;
+/// What a real robot and its sensor err by hangs together for seconds, whatever the filter makes of it: what is said of an
+/// effect is weighed by blocks of this length.
+const BLOCK_S: f64 = 20.0;
+/// Half of a Gaussian's middle 90 %, in standard deviations.
+const NINETY: f64 = 1.645;
+
+/// Effects are thought of again at most so often.
+const PASSES: usize = 2;
+
+/// An effect, and what it was held against.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// The effect; its evidence over those before it alone, reconsidered: over all others.
+    pub weighed: Weighed,
+    /// Other effects in its place, with their evidence, the most evident first; of what is reconsidered.
+    pub rivals: Vec<(&'static str, f64)>,
+}
+
+/// What is not worth a name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Least {
+    /// An effect that is less evident, in nats.
+    pub nats: f64,
+    /// One that adds less than this share to what all explain.
+    pub share: f64,
+}
+
+impl Least {
+    /// What an effect must gain where all so far have gained so much.
+    fn gain(&self, all_nats: f64) -> f64 {
+        self.nats.max(self.share * all_nats)
+    }
+}
+
+/// Effects one after another, for as long as the next is worth a name.
+#[must_use]
+pub fn layers(judge: &dyn Judge, variants: &[Variant], least: Least) -> Vec<Layer> {
+    let mut layers: Vec<Layer> = Vec::new();
+    let none = judge.log_likelihood(&[]);
+    while layers.len() < MOST {
+        let with = planted(&layers);
+        let likely = judge.log_likelihood(&with);
+        let mut tried = next(judge, variants, &with, likely).into_iter();
+        let Some((best, settled)) = tried.next() else { break };
+        if best.evidence_nats < least.gain(likely - none) {
+            break;
+        }
+        layers.push(Layer { weighed: best, rivals: Vec::new() });
+        take(&mut layers, settled.effects);
+    }
+    layers
+}
+
+/// Thinks again of each of the effects, now that all the others are in the world: another may stand in its place, or none. What
+/// remains is in order of its evidence beside all others, by blocks.
+#[must_use]
+pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Layer>, least: Least) -> Vec<Layer> {
+    let none = judge.log_likelihood(&[]);
+    for _ in 0..PASSES {
+        let mut changed = false;
+        let mut i = layers.len();
+        while let Some(at) = i.checked_sub(1) {
+            i = at;
+            let before = layers.remove(at);
+            let rest = settle(judge, planted(&layers));
+            take(&mut layers, rest.effects);
+            let mut tried = next(judge, variants, &planted(&layers), rest.likely).into_iter();
+            let found = tried.next().filter(|(best, settled)| {
+                by_blocks(best, settled, best) >= least.nats && best.gain_nats >= least.gain(settled.likely - none)
+            });
+            let Some((best, settled)) = found else {
+                changed = true;
+                continue;
+            };
+            changed |= best.effect != before.weighed.effect;
+            let rivals = tried.map(|(rival, _)| (rival.effect, by_blocks(&best, &settled, &rival))).collect();
+            let evidence_nats = by_blocks(&best, &settled, &best);
+            layers.push(Layer { weighed: Weighed { evidence_nats, ..best }, rivals });
+            take(&mut layers, settled.effects);
+            if let Some(last) = layers.pop() {
+                layers.insert(at, last);
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    layers.sort_by(|a, b| b.weighed.evidence_nats.total_cmp(&a.weighed.evidence_nats));
+    layers
+}
+
+/// The evidence of `of` in the place of `best`, where a nat counts what it does of `best`.
+fn by_blocks(best: &Weighed, settled: &Settled, of: &Weighed) -> f64 {
+    let pays_nats = best.gain_nats - best.evidence_nats;
+    settled.counts * best.gain_nats - pays_nats - settled.counts * (best.evidence_nats - of.evidence_nats)
+}
+
+/// Sizes and intervals as they were found together.
+fn take(layers: &mut [Layer], found: Vec<(Planted, [f64; 2])>) {
+    for (layer, (best, interval)) in layers.iter_mut().zip(found) {
+        (layer.weighed.best, layer.weighed.interval) = (best, interval);
+    }
+}
+
+/// The effects at their most likely sizes.
+#[must_use]
+pub fn planted(layers: &[Layer]) -> Vec<Planted> {
+    layers.iter().map(|layer| layer.weighed.best.clone()).collect()
+}
+
+/// Effects with their sizes found together.
+struct Settled {
+    /// At their most likely sizes, with 90 % intervals.
+    effects: Vec<(Planted, [f64; 2])>,
+    /// The log-likelihood there.
+    likely: f64,
+    /// What counts of a nat that the last of them gains: its variance as steps have it over that as blocks do (Pauli, Racugno
+    /// and Ventura 2011).
+    counts: f64,
+}
+
+/// What may be put beside what is in the world, the most evident first, each with the sizes of all found together.
+fn next(judge: &dyn Judge, variants: &[Variant], with: &[Planted], likely: f64) -> Vec<(Weighed, Settled)> {
+    let new = |it: &&Variant| !with.iter().any(|planted| planted.variant.about.name == it.about.name);
+    let others: Vec<Variant> = variants.iter().filter(new).cloned().collect();
+    let mut weighed = weigh(judge, &others, with, CLOSE);
+    weighed.sort_by(|a, b| b.evidence_nats.total_cmp(&a.evidence_nats));
+    let try_it = |mut it: Weighed| {
+        let all = [with, std::slice::from_ref(&it.best)].concat();
+        let settled = settle(judge, all);
+        // What it pays for its size stays what it is.
+        let paid = it.evidence_nats - it.gain_nats;
+        it.gain_nats = settled.likely - likely;
+        it.evidence_nats = it.gain_nats + paid;
+        (it, settled)
+    };
+    let worth = weighed.into_iter().take(TRIED).filter(|it| it.gain_nats > LEAST_ALONE_NATS);
+    let mut tried: Vec<(Weighed, Settled)> = worth.map(try_it).collect();
+    tried.sort_by(|a, b| b.0.evidence_nats.total_cmp(&a.0.evidence_nats));
+    tried
+}
+
+/// The block in which each step is.
+fn blocks(judge: &dyn Judge) -> Vec<usize> {
+    let number = |step: &Moment| (step.t_s / BLOCK_S).floor();
+    let numbered = judge.steps().iter().scan((0, None), |(block, before), step| {
+        let now = number(step);
+        *block += usize::from(before.is_some_and(|before| before != now));
+        *before = Some(now);
+        Some(*block)
+    });
+    numbered.collect()
+}
+
+/// Finds all sizes together, by Newton's method on their logarithms.
+fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
+    let block = blocks(judge);
+    let terms = |all: &[Planted]| judge.terms(&judge.numbers(all));
+    let total = |terms: &[f64]| terms.iter().fold(0.0, |sum, it| sum + it);
+    let mut here = terms(&all);
+    let (mut variances, mut counts) = (vec![f64::NAN; all.len()], 1.0);
+    for _ in 0..STEPS {
+        let scores: Vec<Vec<f64>> = (0..all.len())
+            .map(|i| {
+                let mut beside = all.clone();
+                // Towards the inside of the law.
+                let h =
+                    if ln(all[i].size) + DIFFERENCE > ln(all[i].variant.sizes().1) { -DIFFERENCE } else { DIFFERENCE };
+                beside[i].size *= exp(h);
+                terms(&beside).iter().zip(&here).map(|(there, here)| (there - here) / h).collect()
+            })
+            .collect();
+        let Some(curvature) = Curvature::new(&scores, NEXT_TO_NOTHING) else { break };
+        let step = curvature.step(&scores.iter().map(|score| total(score)).collect::<Vec<f64>>());
+        (variances, counts) = (curvature.variances_by_block(&scores, &block), 1.0);
+        for (by_block, by_step) in variances.iter_mut().zip(curvature.variances()) {
+            // Blocks are few: that errors in one made up for one another is not believed.
+            *by_block = by_block.max(by_step);
+            counts = by_step / *by_block;
+        }
+        let before = total(&here);
+        let better = climb(before, &[2.0], |share| {
+            let mut there = all.clone();
+            for (planted, step) in there.iter_mut().zip(&step) {
+                let (least, greatest) = planted.variant.sizes();
+                let moved = (share * step).clamp(-LONGEST, LONGEST);
+                planted.size = (planted.size * exp(moved)).clamp(least, greatest);
+            }
+            let of_there = terms(&there);
+            (total(&of_there), (there, of_there))
+        });
+        let Some((found, (there, of_there))) = better else { break };
+        (all, here) = (there, of_there);
+        if found - before < GAINS_NOTHING_NATS {
+            break;
+        }
+    }
+    let with_interval = |(planted, variance): (Planted, f64)| {
+        let (least, greatest) = planted.variant.sizes();
+        let within = if variance.is_finite() { NINETY * variance.sqrt() } else { f64::INFINITY };
+        let ends = [-within, within].map(|it| (planted.size * exp(it)).clamp(least, greatest));
+        (planted, ends)
+    };
+    let effects = all.into_iter().zip(variances).map(with_interval).collect();
+    Settled { effects, likely: total(&here), counts }
+}

@@ -1,0 +1,160 @@
+//! Learners in the repaired world: do their scores on simulated logs foretell those on the real robot, and do they so the
+//! better, once what was found is in the simulator?
+//!
+//! A scenario of the recording says what is learned from it and how. The same is learned from simulated logs that stand in for
+//! the recording: of the nominal world, and of the one with the effects that the log's diagnosis names, with the same seeds.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use asami_dataset::{Dataset, Seed};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::scenario::{Learning, Source};
+use super::walk::{Part, Record};
+use crate::diagnose::Ready;
+use crate::diagnose::repaired::{cause, repaired};
+use crate::scenario::{self, Origin, Recording, Scenario, Simulation};
+use crate::sweep::manifest::repository;
+use crate::sweep::plane::InPlane;
+use crate::sweep::plane::quantities::QUANTITIES;
+use crate::sweep::source::Recorded;
+use crate::sweep::verb::configured;
+use crate::sweep::{self, Options, Plan, Silent};
+use crate::trial::Ending;
+
+/// Which robot was learned from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum World {
+    /// The real one.
+    Real,
+    /// A simulated one that knows nothing of the log.
+    Nominal,
+    /// The same with the effects that were found.
+    Repaired,
+}
+
+impl World {
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            World::Real => "real",
+            World::Nominal => "nominal",
+            World::Repaired => "repaired",
+        }
+    }
+}
+
+/// What a learner learned of one log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lesson {
+    /// The log's name in the scenario.
+    pub log: String,
+    /// Whose, of a recording of several.
+    pub robot: Option<u16>,
+    /// From which robot.
+    pub world: World,
+    /// Of a simulated log.
+    pub seed: Option<u64>,
+    /// Who learned.
+    pub learner: String,
+    /// Whether it converged.
+    pub converged: bool,
+    /// What is measured of it, by [`MEASURES`].
+    pub values: BTreeMap<&'static str, f64>,
+}
+
+/// Errors that are foretold.
+pub const MEASURES: [&str; 4] = ["vx_rmse_mm_per_s", "vy_rmse_mm_per_s", "vtheta_rmse_rad_per_s", "sensor_rmse_mm"];
+
+/// Learns from every log that has a scenario to be learned by and effects that were named, and from the simulated ones in its
+/// place.
+///
+/// # Errors
+/// A report where a scenario or its recording cannot be used, or files not be written.
+pub fn lessons(
+    learning: &Learning,
+    source: &Source,
+    path: &std::path::Path,
+    records: &[Record],
+    ready: &Ready,
+    options: &Options,
+) -> Result<Vec<Lesson>, miette::Report> {
+    let Some(name) = &source.learned_in else { return Ok(Vec::new()) };
+    let mut scenario = scenario::read(&repository().join("scenarios").join(format!("{name}.toml")))?;
+    scenario.rows.retain(|row| learning.learners.contains(&row.label) && row.start == Some(learning.starting_model));
+    let Origin::Recorded(recording) = &mut scenario.origin else {
+        miette::bail!("learned_in: scenario {name} is not about a recording");
+    };
+    let worlds = repairs(source, records, ready)?;
+    // Of several parts of a log the first: all of its landmarks.
+    let mut seen = Vec::new();
+    recording.parts.retain(|part| {
+        let first = !seen.contains(&part.robot);
+        seen.push(part.robot);
+        first && worlds.contains_key(&part.robot)
+    });
+    let recording = recording.clone();
+    let learn = |world: World, seed: Option<u64>, recorded: Recorded| {
+        let folder = seed.map_or_else(|| world.name().to_owned(), |seed| format!("{}-{seed}", world.name()));
+        let out = options.out.join("learning").join(&source.name).join(folder);
+        let plan = Plan { scenario: scenario.clone(), source: Box::new(recorded), learners: configured(&scenario)? };
+        let results = sweep::run::<InPlane>(&plan, &Options { out, ..options.clone() }, &Silent);
+        let results = results.map_err(crate::verb::plain)?;
+        let lesson = |(record, trial): (&sweep::Record<InPlane>, &crate::trial::Trial<_>)| Lesson {
+            log: source.name.clone(),
+            robot: record.case.robot,
+            world,
+            seed,
+            learner: scenario.rows[trial.row].label.clone(),
+            converged: trial.ending == Ending::Converged,
+            values: QUANTITIES
+                .iter()
+                .filter(|quantity| MEASURES.contains(&quantity.name))
+                .filter_map(|quantity| Some((quantity.name, (quantity.of)(trial, &record.truth)?)))
+                .collect(),
+        };
+        Ok::<Vec<Lesson>, miette::Report>(results.trials().map(lesson).collect())
+    };
+    let mut all = learn(World::Real, None, Recorded::open(&recording, path)?)?;
+    for seed in 0..u64::from(learning.seeds) {
+        for world in [World::Nominal, World::Repaired] {
+            all.extend(learn(world, Some(seed), stand_ins(&recording, &worlds, world, seed)?)?);
+        }
+    }
+    Ok(all)
+}
+
+/// The nominal world and the repaired one of each robot whose log's effects were named.
+type Repairs = BTreeMap<Option<u16>, [Simulation; 2]>;
+
+fn repairs(source: &Source, records: &[Record], ready: &Ready) -> Result<Repairs, miette::Report> {
+    let whole = records.iter().filter(|it| it.log == source.name && it.part == Part::Whole);
+    let mut worlds = BTreeMap::new();
+    for (record, cause) in whole.filter_map(|it| Some((it, cause(it.diagnosis.as_ref()?)?))) {
+        let text = repaired(&ready.held.text, cause).map_err(crate::verb::plain)?;
+        let with_effects = scenario::parse(&ready.held.name, "with_effect.toml", &text)?;
+        if let Scenario { origin: Origin::Simulated(repaired), .. } = with_effects {
+            worlds.insert(record.robot, [(*ready.held.simulation).clone(), *repaired]);
+        }
+    }
+    Ok(worlds)
+}
+
+/// Simulated logs in the place of the recording's.
+fn stand_ins(recording: &Recording, worlds: &Repairs, world: World, seed: u64) -> Result<Recorded, miette::Report> {
+    let until_s = recording.windows.iter().map(|window| window.span_s().end).fold(0.0, f64::max) + 1.0;
+    let parts: Vec<Option<u16>> = recording.parts.iter().map(|part| part.robot).collect();
+    let wholes = parts.into_par_iter().with_max_len(1).map(|robot| {
+        let [nominal, repaired] = &worlds[&robot];
+        let of = if world == World::Nominal { nominal } else { repaired };
+        let simulation = Simulation { duration_s: until_s, ..of.clone() };
+        // The same for both worlds, so that they differ by nothing else.
+        let seed = Seed(1 + 100 * seed + u64::from(robot.unwrap_or_default()));
+        let dataset: Dataset = simulation.dataset(seed).map_err(crate::verb::plain)?;
+        Ok((robot, dataset))
+    });
+    Recorded::of(recording, wholes.collect::<Result<_, miette::Report>>()?, &PathBuf::from("a simulated log"))
+}
