@@ -89,13 +89,7 @@ pub fn lessons(
         miette::bail!("learned_in: scenario {name} is not about a recording");
     };
     let worlds = repairs(source, records, ready)?;
-    // Of several parts of a log the first: all of its landmarks.
-    let mut seen = Vec::new();
-    recording.parts.retain(|part| {
-        let first = !seen.contains(&part.robot);
-        seen.push(part.robot);
-        first && worlds.contains_key(&part.robot)
-    });
+    keep(recording, |robot| worlds.contains_key(&robot));
     let recording = recording.clone();
     let learn = |world: World, seed: Option<u64>, recorded: Recorded| {
         let folder = seed.map_or_else(|| world.name().to_owned(), |seed| format!("{}-{seed}", world.name()));
@@ -125,6 +119,23 @@ pub fn lessons(
         }
     }
     Ok(all)
+}
+
+/// Keeps of a recording the robots of which `wanted` says so, with all of their landmarks: of several parts of a log the first.
+fn keep(recording: &mut Recording, wanted: impl Fn(Option<u16>) -> bool) {
+    let mut robots: Vec<Option<u16>> = Vec::new();
+    recording.parts.retain(|part| {
+        let first = !robots.contains(&part.robot);
+        if first {
+            robots.push(part.robot);
+        }
+        first && wanted(part.robot)
+    });
+    // Axes are in the order of the robots.
+    if let Some(depths) = recording.depths.as_mut().filter(|depths| depths.axis_rad.len() > 1) {
+        let axes = depths.axis_rad.iter().zip(&robots).filter(|(_, robot)| wanted(**robot));
+        depths.axis_rad = axes.map(|(axis, _)| *axis).collect();
+    }
 }
 
 /// The nominal world and the repaired one of each robot whose log's effects were named.
@@ -157,4 +168,21 @@ fn stand_ins(recording: &Recording, worlds: &Repairs, world: World, seed: u64) -
         Ok((robot, dataset))
     });
     Recorded::of(recording, wholes.collect::<Result<_, miette::Report>>()?, &PathBuf::from("a simulated log"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Robots whose effects were not named are left out, and their cameras' axes with them.
+    #[test]
+    fn a_robot_keeps_its_axis_when_others_are_left_out() {
+        let scenario = scenario::read(&repository().join("scenarios/mrclam.toml")).unwrap();
+        let Origin::Recorded(mut recording) = scenario.origin else { panic!("mrclam is a recording") };
+        let axes = recording.depths.clone().unwrap().axis_rad;
+        keep(&mut recording, |robot| matches!(robot, Some(2 | 5)));
+        let robots: Vec<Option<u16>> = recording.parts.iter().map(|part| part.robot).collect();
+        assert_eq!(robots, [Some(2), Some(5)]);
+        assert_eq!(recording.depths.unwrap().axis_rad, [axes[1], axes[4]]);
+    }
 }
