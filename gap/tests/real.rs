@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use asami_dataset::log::RangeBearing;
-use asami_dataset::{Known, Log, Seed};
+use asami_dataset::{Command, Known, Log, Seed};
 use asami_gap::aside::Aside;
 use asami_gap::diagnosis::{Diagnosis, Verdict};
 use asami_gap::library::{Budget, play};
@@ -72,6 +72,7 @@ fn what_is_noisier_than_its_simulator_has_no_gap() {
         let diagnosis = real::diagnose(library(), &variants(), &log).unwrap();
         assert_eq!(diagnosis.verdict, Verdict::None, "{noise:?}: {:?}", diagnosis.which);
         assert!(diagnosis.smallest_visible.len() >= 3, "{:?}", diagnosis.smallest_visible);
+        assert!(diagnosis.astray_s.unwrap() <= 6.0, "{noise:?}: {:?}", diagnosis.astray_s);
         let noisy = library().noisy_as(&log, Aside::default(), &[], None).unwrap();
         let shape = &library().base.shape;
         for (group, ratio) in [(Numbers::SizeNoise, noise[1]), (Numbers::BearingNoise, noise[2])] {
@@ -102,6 +103,24 @@ fn several_effects_are_named_one_beside_another() {
         let sum: f64 = diagnosis.which.iter().map(|cause| cause.probability).sum();
         assert!((sum - 1.0).abs() < 0.02, "seed {seed}: {sum}");
     }
+}
+
+/// A robot that for some time does something else than it is told has nothing wrong with it otherwise: that time is said, and put
+/// on no effect.
+#[test]
+fn where_a_robot_does_not_do_what_it_is_told_no_effect_is_blamed() {
+    let log = log([1.0; 3], &[], 40);
+    let overruled = |t_s: f64| (95.0..110.0).contains(&t_s);
+    let told = log.commands.iter().map(|command| {
+        let later = log.commands.iter().find(|it| it.t_s > command.t_s + 37.0);
+        let action = later.filter(|_| overruled(command.t_s)).map_or(command.action, |it| it.action);
+        Command { action, ..*command }
+    });
+    let log = Log { commands: told.collect::<Vec<_>>().into(), ..log };
+    let diagnosis = real::diagnose(library(), &variants(), &log).unwrap();
+    assert_eq!(diagnosis.verdict, Verdict::None, "{:?}", diagnosis.which);
+    let astray_s = diagnosis.astray_s.unwrap();
+    assert!((9.0..=33.0).contains(&astray_s), "{astray_s}");
 }
 
 /// What nothing in the list explains is *unknown*, and its block is where it acts; not *none*.

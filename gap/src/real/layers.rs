@@ -87,9 +87,7 @@ pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Lay
     let none = judge.log_likelihood(&[]);
     for _ in 0..PASSES {
         let mut changed = false;
-        let mut i = layers.len();
-        while let Some(at) = i.checked_sub(1) {
-            i = at;
+        for at in (0..layers.len()).rev() {
             let before = layers.remove(at);
             let rest = settle(judge, planted(&layers));
             take(&mut layers, rest.effects);
