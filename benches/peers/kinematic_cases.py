@@ -2,7 +2,7 @@
 """Withheld cases of another program: the plain robot of scenarios/plain_2d.toml, simulated anew in plain Python.
 
     cargo run --bin generate scenarios/plain_2d.toml --seed 1000 -o results/plain_nominal
-    python3 benches/peers/kinematic_cases.py results/plain_nominal -o results/foreign_plain
+    python3 benches/peers/kinematic_cases.py results/plain_nominal --salt "release 0.1" -o results/foreign_plain
     cargo run --bin sweep scenarios/blind_foreign.toml
 
 It shares no code, no random numbers and no drive with asami's simulator: of the nominal data set it takes the
