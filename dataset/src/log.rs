@@ -237,6 +237,10 @@ pub struct Velodyne {
     pub turn_rate_hz: f64,
     /// Height above ground.
     pub sensor_height_m: f64,
+    /// How far each laser stands to the left of where it looks, off the axis of turning; empty: none does.
+    pub left_m: Vec<f64>,
+    /// How far each stands above where their table takes them to meet; empty: none does.
+    pub up_m: Vec<f64>,
 }
 
 /// Everything that the robot knows. Channels that a robot lacks are empty, or `None` where an empty

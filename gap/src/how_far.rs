@@ -12,10 +12,6 @@ use crate::diagnosis::{HowFar, Rms};
 use crate::judge::{Judge, Reading};
 use crate::plant::Planted;
 
-/// Blocks are held out in turn.
-const BLOCK_S: f64 = 10.0;
-/// At either end of a held-out block so much counts for neither side.
-const GUARD_S: f64 = 1.0;
 /// Resamples of the bootstrap.
 const RESAMPLES: usize = 1000;
 
@@ -52,8 +48,9 @@ pub fn how_far(judge: &dyn Judge, planted: &[Planted]) -> HowFar {
 fn place(judge: &dyn Judge, i: usize) -> Option<(usize, bool)> {
     let first_s = judge.steps().first()?.t_s;
     let since_s = judge.steps().get(i)?.t_s - first_s;
-    let within_s = since_s % BLOCK_S;
-    Some(((since_s / BLOCK_S) as usize, (GUARD_S..BLOCK_S - GUARD_S).contains(&within_s)))
+    let (block_s, guard_s) = judge.held_out_s();
+    let within_s = since_s % block_s;
+    Some(((since_s / block_s) as usize, (guard_s..block_s - guard_s).contains(&within_s)))
 }
 
 /// The sizes that fit the training blocks best.
@@ -115,13 +112,16 @@ fn summary(judge: &dyn Judge, planted: &[Planted], held: &[Block]) -> HowFar {
     let base = judge.read(&judge.numbers(&[]));
     let with = judge.read(&judge.numbers(planted));
     let comment = if shows && !planted.is_empty() {
-        "nats per sighting on held-out blocks of 10 s, against the named effect with the best flexible block on top"
+        format!(
+            "nats per sighting on held-out blocks of {} s, against the named effect with the best flexible block on top",
+            judge.held_out_s().0
+        )
     } else {
-        "closed is null: nothing was added, or the excess before cannot be told from 0"
+        "closed is null: nothing was added, or the excess before cannot be told from 0".to_owned()
     };
     let closed = shows && !planted.is_empty();
     HowFar {
-        comment: comment.to_owned(),
+        comment,
         excess_before: mean(held, before),
         excess_after: mean(held, after),
         misfit_before: misfit(&base),

@@ -34,6 +34,11 @@ pub trait Judge: Sync {
     /// Circumstances in which a gap may show.
     fn regimes(&self) -> Vec<Regime>;
 
+    /// Of what length blocks are held out in turn, and how much at either end of one counts for neither side.
+    fn held_out_s(&self) -> (f64, f64) {
+        (10.0, 1.0)
+    }
+
     /// `log p(o)` by scored step under a response.
     fn terms(&self, numbers: &[f64]) -> Vec<f64> {
         self.read(numbers).log_likelihoods

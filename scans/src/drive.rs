@@ -13,6 +13,8 @@ pub struct Drive<'a> {
     pub firings: &'a Firings,
     /// Sine and cosine of each laser's vertical angle.
     pub elevation: Vec<(f64, f64)>,
+    /// How far each stands to the left of where it looks, and up; empty: all stand where they are thought to meet.
+    pub places_m: Vec<[f64; 2]>,
     /// How far the unit turns clockwise from one firing to the next, on average.
     pub step_rad: f64,
     /// The encoder's angle with whole turns counted, in hundredths of a degree; one per firing.
@@ -46,8 +48,16 @@ impl<'a> TryFrom<&'a Log> for Drive<'a> {
             return Err(CannotScan::TooShort { found: firings.len(), needed: usize::from(ENCODER_STEPS) / 46 });
         }
         let elevation = known.iter().map(|angle| sin_cos(*angle)).collect();
-        Ok(Self { firings, elevation, step_rad, turned_cdeg })
+        Ok(Self { firings, elevation, places_m: places_m(log), step_rad, turned_cdeg })
     }
+}
+
+/// Where the lasers stand, as far as that is known.
+fn places_m(log: &Log) -> Vec<[f64; 2]> {
+    let Some(unit) = &log.known.velodyne else { return Vec::new() };
+    let of = |places: &[f64], laser: usize| places.get(laser).copied().unwrap_or(0.0);
+    let count = unit.left_m.len().max(unit.up_m.len());
+    (0..count).map(|laser| [of(&unit.left_m, laser), of(&unit.up_m, laser)]).collect()
 }
 
 /// The encoder's angle with turns counted; it never turns back.
@@ -131,13 +141,14 @@ impl Drive<'_> {
             self.firings.range_2mm.iter().zip(angles_rad.iter().zip(&self.elevation)).enumerate()
         {
             let (sin_l, cos_l) = sin_cos(*angle_rad);
+            let [left, up] = self.places_m.get(laser).copied().unwrap_or_default();
             for (i, (&steps, (sin_r, cos_r))) in ranges[scan.first..scan.end].iter().zip(&turns).enumerate() {
                 let d = f64::from(steps) * RANGE_STEP_M;
-                let z = d * rise;
+                let z = up + d * rise;
                 if steps > 0 && z >= lowest_m {
                     let flat = d * reach;
-                    let x = flat * (cos_l * cos_r - sin_l * sin_r);
-                    let y = flat * (sin_l * cos_r + cos_l * sin_r);
+                    let (ahead_x, ahead_y) = (cos_l * cos_r - sin_l * sin_r, sin_l * cos_r + cos_l * sin_r);
+                    let (x, y) = (flat * ahead_x - left * ahead_y, flat * ahead_y + left * ahead_x);
                     with(laser, scan.first + i, [x, y, z]);
                 }
             }

@@ -88,11 +88,14 @@ impl Sensor {
         Self { layout, most_turns: most_turns as usize, ..self }
     }
 
-    /// The angles, their mean 0.
+    /// The angles, their mean 0; places of lasers that are known are not looked for.
     ///
     /// # Errors
     /// [`CannotScan::Undetermined`] where the pairs' lags do not hold all lasers together.
     pub fn learn(&self, drive: &Drive<'_>) -> Result<Angles, CannotScan> {
+        if drive.places_m.iter().any(|[left_m, _]| *left_m != 0.0) {
+            return self.with_offsets(drive, &drive.places_m.iter().map(|it| it[0]).collect::<Vec<f64>>());
+        }
         let angles = self.solve(drive, &self.signals(drive, &self.shaping, &[]))?;
         if self.offsets == Offsets::None {
             return Ok(angles);

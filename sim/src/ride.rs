@@ -109,6 +109,8 @@ impl Ride {
             firing_rate_hz: self.velodyne.firing_rate_hz,
             turn_rate_hz: self.velodyne.turn_rate_hz,
             sensor_height_m: SENSOR_HEIGHT_M,
+            left_m: Vec::new(),
+            up_m: Vec::new(),
         };
         CarWorld::new(&self.car, &town.ground(), Some(known), effects, town.route.at(0.0).into(), seed)
     }

@@ -1,6 +1,8 @@
 //! The diagnosers themselves, and the likelihood by which they and the referee judge.
 
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use asami_dataset::Log;
 use asami_gap::calibration::{Calibration, Case};
@@ -17,8 +19,8 @@ pub struct Field {
     asked: Asked,
     shelved: Shelved,
     cases: Vec<Case>,
-    /// With nothing taken out of the list.
-    whole: Calibration,
+    /// By what is taken out of the list: to learn one takes longer than to diagnose a log.
+    calibrations: Mutex<BTreeMap<Vec<String>, Calibration>>,
 }
 
 impl Field {
@@ -37,14 +39,23 @@ impl Field {
         if make > 0 {
             cases = shelved.cases(&blind.world, blind.world.duration_s, make, listener)?;
         }
-        let whole = calibrated(&cases, &[]);
-        Ok(Self { asked: blind.asked.clone(), shelved, cases, whole })
+        let field = Self { asked: blind.asked.clone(), shelved, cases, calibrations: Mutex::default() };
+        field.calibrated(&[]);
+        Ok(field)
     }
-}
 
-fn calibrated(cases: &[Case], without: &[String]) -> Calibration {
-    let left = less(cases, without);
-    if left.is_empty() { Calibration::default() } else { Calibration::learn(&left) }
+    /// The calibration with these effects taken out of the list.
+    fn calibrated(&self, without: &[String]) -> Calibration {
+        let kept = || self.calibrations.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = kept().get(without) {
+            return known.clone();
+        }
+        // Nobody waits meanwhile: two that learn the same learn it alike.
+        let left = less(&self.cases, without);
+        let learned = if left.is_empty() { Calibration::default() } else { Calibration::learn(&left) };
+        kept().insert(without.to_vec(), learned.clone());
+        learned
+    }
 }
 
 /// Ours, with a catalogue and a calibration of its own.
@@ -90,11 +101,7 @@ impl Contest for Field {
                 "forward_selection" => {
                     Box::new(ForwardSelection { judges, variants, most: rivals.most_effects as usize })
                 }
-                _ => {
-                    let kept = without.is_empty().then(|| self.whole.clone());
-                    let calibration = kept.unwrap_or_else(|| calibrated(&self.cases, without));
-                    Box::new(Ours { field: self, calibration, variants })
-                }
+                _ => Box::new(Ours { field: self, calibration: self.calibrated(without), variants }),
             }
         };
         self.asked.diagnosers.iter().map(of).collect()

@@ -55,6 +55,8 @@ pub fn read(source: &Path) -> Result<Imported, ImportError> {
         firing_rate_hz,
         turn_rate_hz,
         sensor_height_m: SENSOR_HEIGHT_M,
+        left_m: Vec::new(),
+        up_m: Vec::new(),
     };
     let known = Known { robot: "car".to_owned(), velodyne: Some(velodyne), ..Known::default() };
     let log = Log { known: known.into(), firings: Some(Arc::new(firings)), ..Log::default() };

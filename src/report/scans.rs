@@ -157,6 +157,8 @@ mod tests {
             firing_rate_hz: 360.0,
             turn_rate_hz: 1.0,
             sensor_height_m: 2.0,
+            left_m: Vec::new(),
+            up_m: Vec::new(),
         };
         let firings = Firings {
             t_s: firings.iter().map(|i| *i as f64 / 360.0).collect(),

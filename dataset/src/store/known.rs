@@ -83,7 +83,18 @@ fn velodyne(mut keys: Keys<'_>) -> Result<Velodyne, ReadError> {
         let found = format!("{:?} followed by {:?}", pair[0], pair[1]);
         return Err(keys.wrong_at(ANGLES, Wrong::value(ANGLES, "must increase from laser to laser", &found)));
     }
+    let mut places = |key: &'static str| {
+        let places = keys.maybe_numbers(key, Rule::Finite)?.unwrap_or_default();
+        if places.is_empty() || places.len() == found {
+            return Ok(places);
+        }
+        let expected = format!("one for each of the {found} lasers, or none");
+        Err(keys.wrong_at(key, Wrong::Length { name: key, expected, found: places.len() }))
+    };
+    let (left_m, up_m) = (places("left_m")?, places("up_m")?);
     let velodyne = Velodyne {
+        left_m,
+        up_m,
         vertical_angles_rad,
         firing_rate_hz: keys.number("firing_rate_hz", Rule::Positive)?,
         turn_rate_hz: keys.number("turn_rate_hz", Rule::Positive)?,
@@ -136,6 +147,11 @@ pub(super) fn text(known: &Known, provenance: Option<&Provenance>) -> String {
         toml.number("firing_rate_hz", velodyne.firing_rate_hz);
         toml.number("turn_rate_hz", velodyne.turn_rate_hz);
         toml.number("sensor_height_m", velodyne.sensor_height_m);
+        for (key, places) in [("left_m", &velodyne.left_m), ("up_m", &velodyne.up_m)] {
+            if !places.is_empty() {
+                toml.numbers(key, places);
+            }
+        }
     }
     if !known.full_scale.is_empty() {
         toml.head("[full_scale]");

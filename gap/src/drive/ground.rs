@@ -62,6 +62,13 @@ impl Ground {
         Some(plane)
     }
 
+    /// Of each laser that saw the road `least` times and more: how often, how high it saw the road over all lasers' surface on
+    /// average, how far away.
+    #[must_use]
+    pub fn by_laser(&self, least: f64) -> Vec<Option<[f64; 3]>> {
+        self.lasers.iter().map(|[n, off_m, flat_m]| (*n >= least).then(|| [*n, off_m / n, flat_m / n])).collect()
+    }
+
     /// Medians over the scans: how the road rises ahead and to the left, and the sensor's height, all as seen.
     #[must_use]
     pub fn posture(&self) -> [f64; 3] {
@@ -73,21 +80,21 @@ impl Ground {
     }
 
     /// Vertical angle and range that all lasers have too much, by how the road bends with distance; logarithms of how
-    /// vertical angles (of the far ones) and ranges (of the near ones) differ from laser to laser.
+    /// vertical angles (of the far ones) and ranges (of the near ones) differ from laser to laser; how much higher the upper half of
+    /// the lasers sees the road than the lower one.
     #[must_use]
-    pub fn lasers(&self) -> [f64; 4] {
-        let mean = |laser: usize| {
-            let [n, off_m, flat_m] = self.lasers[laser];
-            (n >= LEAST).then(|| (off_m / n, flat_m / n))
-        };
-        let mut bend = Regression::new(4);
+    pub fn lasers(&self) -> [f64; 5] {
+        let means = self.by_laser(LEAST);
+        let mean = |laser: usize| means[laser].map(|[_, off_m, flat_m]| (off_m, flat_m));
+        let mut bend = Regression::new(5);
         let (mut far, mut near) = (Vec::new(), Vec::new());
-        for laser in 0..self.lasers.len() {
+        for laser in 0..means.len() {
             let Some((off_m, flat_m)) = mean(laser) else { continue };
             let (sin, cos) = self.elevation[laser];
             let weight = 1.0 / (flat_m * flat_m).max(1.0);
-            bend.observe(&[1.0, flat_m, sin, flat_m * flat_m], off_m, weight);
-            let beside = laser.checked_sub(1).and_then(mean).zip(mean((laser + 1).min(self.lasers.len() - 1)));
+            let upper = if laser < means.len() / 2 { 0.0 } else { 1.0 };
+            bend.observe(&[1.0, flat_m, sin, flat_m * flat_m, upper], off_m, weight);
+            let beside = laser.checked_sub(1).and_then(mean).zip(mean((laser + 1).min(means.len() - 1)));
             let Some(((low_m, low_flat_m), (high_m, high_flat_m))) = beside else { continue };
             if flat_m > 8.0 {
                 far.push(off_m / flat_m - 0.5 * (low_m / low_flat_m + high_m / high_flat_m));
@@ -99,9 +106,9 @@ impl Ground {
         }
         let bend = bend
             .solve()
-            .filter(|fit| fit.rank == 4)
-            .map_or([f64::NAN; 2], |fit| [fit.coefficients[1], fit.coefficients[2]]);
-        [bend[0], bend[1], ln_rms(&far), ln_rms(&near)]
+            .filter(|fit| fit.rank == 5)
+            .map_or([f64::NAN; 3], |fit| [1, 2, 4].map(|k| fit.coefficients[k]));
+        [bend[0], bend[1], ln_rms(&far), ln_rms(&near), bend[2]]
     }
 }
 

@@ -61,15 +61,23 @@ pub enum CannotFollow {
 const LEAST_MOVING: usize = 10;
 
 impl<'a> Moved<'a> {
-    /// Finds the lasers' angles and matches scan to scan.
+    /// Finds the lasers' angles and matches scan to scan, half a second apart.
     ///
     /// # Errors
     /// [`CannotFollow`] says what the log lacks.
     pub fn read(log: &'a Log) -> Result<Self, CannotFollow> {
+        Self::read_every(log, INTERVAL_S)
+    }
+
+    /// The same of scans `interval_s` apart.
+    ///
+    /// # Errors
+    /// [`CannotFollow`] says what the log lacks.
+    pub fn read_every(log: &'a Log, interval_s: f64) -> Result<Self, CannotFollow> {
         let drive = Drive::try_from(log)?;
         let sensor = Sensor::graph(20.0, 30.0, 2.0).over(4, 0.1, MOST_TURNS);
         let relative_rad = sensor.learn(&drive)?.angle_rad;
-        let scans = drive.scans(INTERVAL_S);
+        let scans = drive.scans(interval_s);
         let cut = Cut { lowest_m: -1.0, square_m: 0.1 };
         let matching = Matching::lines(0.1);
         let odometry = Odometry { drive: &drive, scans: &scans, angles_rad: &relative_rad, cut, matching };

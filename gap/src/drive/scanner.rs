@@ -31,14 +31,15 @@ pub const STATISTICS: [(&str, &str); COUNT] = [
     ("noise", "lidar_range"),
     ("losses", "detection"),
     ("things in the other lane", "detection"),
+    ("step between the banks", "lidar_angle"),
 ];
 
 /// How many statistics there are.
-pub const COUNT: usize = 14;
+pub const COUNT: usize = 15;
 
 /// Which of them are logarithms of what grows with an effect's size.
 pub const IN_LOGARITHMS: [bool; COUNT] =
-    [false, false, false, false, false, false, false, true, true, true, false, true, true, true];
+    [false, false, false, false, false, false, false, true, true, true, false, true, true, true, false];
 
 /// The flexible block in which each would show an effect that is in nobody's list, and by how much.
 pub const BLOCKS: [(&str, f64); COUNT] = [
@@ -56,6 +57,7 @@ pub const BLOCKS: [(&str, f64); COUNT] = [
     ("noise", 0.5),
     ("noise", 1.5),
     ("noise", 1.5),
+    ("sensor", 0.02),
 ];
 
 /// One segment's statistics; no number where the segment did not show it.
@@ -95,7 +97,7 @@ fn values(moved: &Moved<'_>, span_s: std::ops::Range<f64>, turn_rate_hz: f64, he
     }
     let firings = drive.firings.within(&span_s);
     let [pitch, roll, height] = ground.posture();
-    let [cone, on_ground, angles, near] = ground.lasers();
+    let [cone, on_ground, angles, near, banks] = ground.lasers();
     let [on_walls, sides] = walls.lasers();
     [
         spin(drive, firings.clone(), turn_rate_hz),
@@ -112,11 +114,12 @@ fn values(moved: &Moved<'_>, span_s: std::ops::Range<f64>, turn_rate_hz: f64, he
         counts.noise(),
         counts.losses(),
         counts.on_the_left(),
+        banks,
     ]
 }
 
 /// Speed at a time, in straight lines between means.
-pub(super) fn speed(steps: &[Step], t_s: f64) -> f64 {
+pub(crate) fn speed(steps: &[Step], t_s: f64) -> f64 {
     let after = steps.partition_point(|step| step.t_s + 0.5 * step.dt_s <= t_s);
     let of = |i: usize| steps.get(i).map(|step| (step.t_s + 0.5 * step.dt_s, step.v_m_per_s));
     match (after.checked_sub(1).and_then(of), of(after)) {

@@ -25,16 +25,23 @@ struct Pair {
     n: f64,
     normal: [[f64; 3]; 3],
     right: [f64; 3],
+    /// Sums over the slopes of 1, 1 over the range, and that squared.
+    sums: [f64; 3],
+    /// Sum of squared bends, by which single ranges show how noisy they are.
+    bends_m2: f64,
 }
 
 /// The walls of a segment.
-pub struct Walls(Vec<Pair>);
+pub struct Walls {
+    pairs: Vec<Pair>,
+    step_rad: f64,
+}
 
 impl Walls {
     /// Nothing seen yet.
     #[must_use]
     pub fn new(drive: &Drive<'_>) -> Self {
-        Self(vec![Pair::default(); drive.lasers().saturating_sub(1)])
+        Self { pairs: vec![Pair::default(); drive.lasers().saturating_sub(1)], step_rad: drive.step_rad }
     }
 
     /// Takes a scan in; the car moves ahead at `v_m_per_s` meanwhile.
@@ -43,7 +50,7 @@ impl Walls {
         let firings = drive.firings;
         let firing_s =
             (firings.t_s[scan.end - 1] - firings.t_s[scan.first]) / (scan.end - scan.first - 1).max(1) as f64;
-        for (a, pair) in self.0.iter_mut().enumerate() {
+        for (a, pair) in self.pairs.iter_mut().enumerate() {
             let (one, other) = (&firings.range_2mm[a], &firings.range_2mm[a + 1]);
             let ((rise, reach), (_, other_reach)) = (drive.elevation[a], drive.elevation[a + 1]);
             // So many firings later the other looks the same way.
@@ -70,9 +77,26 @@ impl Walls {
                 let slope_m = -(r[2] - r[0]) * reach / (4.0 * drive.step_rad);
                 if off_m.abs() < GATE_M && slope_m.abs() < 1.5 * flat_m {
                     pair.add([1.0, slope_m, slope_m / flat_m], off_m);
+                    let bend_m = (r[0] - 2.0 * r[1] + r[2]) * reach;
+                    pair.bends_m2 += bend_m * bend_m;
+                    for (k, sum) in pair.sums.iter_mut().enumerate() {
+                        *sum += (1.0 / flat_m).powi(k as i32);
+                    }
                 }
             }
         }
+    }
+
+    /// Of each laser and the one above it, where both saw walls `least` times and more: how much farther the lower one sees
+    /// them, how much farther to the left it stands, and how well the latter shows (the inverse of its cofactor).
+    #[must_use]
+    pub fn by_pair(&self, least: f64) -> Vec<Option<[f64; 3]>> {
+        let step_rad = self.step_rad;
+        let of = |pair: &Pair| {
+            let ([constant_m, _, aside_m], shows) = (pair.n >= least).then(|| pair.solved(step_rad))??;
+            Some([constant_m, aside_m, shows])
+        };
+        self.pairs.iter().map(of).collect()
     }
 
     /// Logarithm of how ranges of neighbours differ, and how far lasers stand to either side by turns, even ones to the
@@ -80,8 +104,8 @@ impl Walls {
     #[must_use]
     pub fn lasers(&self) -> [f64; 2] {
         let (mut constants, mut sum, mut weight) = (Vec::new(), 0.0, 0.0);
-        for (a, pair) in self.0.iter().enumerate().filter(|(_, pair)| pair.n >= LEAST) {
-            let Some(([constant_m, _, aside_m], counts)) = pair.solved() else { continue };
+        for (a, pair) in self.by_pair(LEAST).into_iter().enumerate() {
+            let Some([constant_m, aside_m, counts]) = pair else { continue };
             constants.push(constant_m);
             let sign = if a.is_multiple_of(2) { 1.0 } else { -1.0 };
             sum += 0.5 * sign * aside_m * counts;
@@ -110,9 +134,19 @@ impl Pair {
         }
     }
 
-    /// The coefficients, and how well the last is known: the inverse of its cofactor.
-    fn solved(&self) -> Option<([f64; 3], f64)> {
-        let l = cholesky(&self.normal.iter().map(|row| row.to_vec()).collect::<Vec<_>>())?;
+    /// The coefficients, and how well the last is known: the inverse of its cofactor. What noise of ranges adds to slopes is taken
+    /// away, or they would count for too little (Fuller 1987, section 1.2).
+    fn solved(&self, step_rad: f64) -> Option<([f64; 3], f64)> {
+        let range_m2 = self.bends_m2 / (6.0 * self.n);
+        let slope_m2 = 2.0 * range_m2 / (4.0 * step_rad).powi(2);
+        let mut normal: Vec<Vec<f64>> = self.normal.iter().map(|row| row.to_vec()).collect();
+        for i in 1..3 {
+            for j in 1..3 {
+                // Of walls that all stand square to the ray noise would leave nothing.
+                normal[i][j] -= (slope_m2 * self.sums[i + j - 2]).min(0.5 * normal[i][j].max(0.0));
+            }
+        }
+        let l = cholesky(&normal)?;
         let solved: [f64; 3] = cholesky_solve(&l, &self.right).try_into().ok()?;
         let cofactor = cholesky_solve(&l, &[0.0, 0.0, 1.0])[2];
         (cofactor > 0.0 && cofactor.is_finite()).then(|| (solved, 1.0 / cofactor))

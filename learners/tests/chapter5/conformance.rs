@@ -52,6 +52,8 @@ fn any_log() -> impl Strategy<Value = Log> {
                 firing_rate_hz: 0.0,
                 turn_rate_hz: f64::NAN,
                 sensor_height_m: 0.0,
+                left_m: Vec::new(),
+                up_m: Vec::new(),
             };
             Log {
                 known: Known { velodyne: Some(velodyne), ..Known::default() }.into(),

@@ -77,6 +77,8 @@ impl Ride {
             firing_rate_hz: 1.0 / dt_s,
             turn_rate_hz: 10.0,
             sensor_height_m: SENSOR_HEIGHT_M,
+            left_m: Vec::new(),
+            up_m: Vec::new(),
         };
         let known = Known { robot: "car".into(), velodyne: Some(velodyne), ..Known::default() };
         let log =

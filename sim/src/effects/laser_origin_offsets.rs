@@ -11,7 +11,7 @@ effect! {
     "The lasers stand beside the spin axis by turns, and their upper bank above the lower one.",
     Sensing, Sensor, fits ["car"],
     source "factory tables of HDL-64E units: 26 mm to either side by turns, the banks 80 to 100 mm apart in height",
-    drawn [aside_m: Size { way: Up, least: 0.001, greatest: 0.05 }],
+    drawn [aside_m: Size { way: Up, least: 0.001, greatest: 0.05 }, apart_m: Choice(&[0.0, 0.09])],
     {
         /// From the axis to either side of where a laser looks: even ones, counted upwards from 0, to the left.
         aside_m: f64 = 0.0, "m", -0.1..=0.1;

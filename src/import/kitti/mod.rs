@@ -70,6 +70,8 @@ pub fn read(source: &Path) -> Result<Imported, ImportError> {
         firing_rate_hz: rate_hz,
         turn_rate_hz: 1.0 / TURN_S,
         sensor_height_m: SENSOR_HEIGHT_M,
+        left_m: Vec::new(),
+        up_m: Vec::new(),
     };
     let ahead_rad = std::f64::consts::FRAC_PI_2;
     let survey = Survey {

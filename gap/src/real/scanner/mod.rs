@@ -1,0 +1,95 @@
+//! The diagnosis of a real laser scanner's log: which of its lasers see elsewhere than its maker's table says, without a map, a
+//! command, or a simulated town.
+//!
+//! Every laser sees the road under the car, and neighbouring lasers the same walls. Where the table is right they agree, whatever
+//! the street looks like; what they disagree by, the same from second to second while the street goes by, is the scanner's. So a
+//! street that nobody modelled need not be: its shape is free, how much it scatters is taken from the log itself ([`seen`]), and
+//! what each laser is off by is learned as the log goes on ([`lasers`]), as far as a hypothesis lets it be off.
+//!
+//! Of the catalogue those effects are thought of that this shows: vertical angles, ranges, and where lasers stand. How the scanner's
+//! base leans cannot be told from how the car stands on its springs, nor a clock from a street.
+
+pub mod judge;
+pub mod lasers;
+pub mod seen;
+
+use std::sync::Arc;
+
+use asami_dataset::firings::RANGE_STEP_M;
+use asami_dataset::log::Velodyne;
+use asami_dataset::{Firings, Known, Log};
+
+use super::assembled;
+use super::layers::{Least, layers, planted, reconsidered};
+use crate::diagnosis::Diagnosis;
+use crate::judge::Judge;
+use crate::plant::{Planted, Variant};
+use crate::view::CannotSee;
+use judge::Table;
+use lasers::Laser;
+use seen::Seen;
+
+/// Street scenes are no simulated ones: less than this is not worth a name.
+const LEAST: Least = Least { nats: 10.0, share: 0.01 };
+
+/// A scanner's log, diagnosed, and its lasers as they are found to be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Where, which and how far.
+    pub diagnosis: Diagnosis,
+    /// Of each laser, what the table is to be corrected by; nothing where no effect was found.
+    pub lasers: Vec<Laser>,
+}
+
+/// Diagnoses a log by its scans alone.
+///
+/// # Errors
+/// [`CannotSee`] says what the log lacks.
+pub fn diagnose(variants: &[Variant], log: &Log) -> Result<Found, CannotSee> {
+    let table = Table::new(Seen::read(log)?);
+    let variants: Vec<Variant> = variants.iter().filter(|it| table.knows(it)).cloned().collect();
+    let found = reconsidered(&table, &variants, layers(&table, &variants, LEAST), LEAST);
+    let lasers = if found.is_empty() { Vec::new() } else { table.lasers(&planted(&found)) };
+    Ok(Found { diagnosis: assembled(&table, &variants, &found), lasers })
+}
+
+/// The lasers of a log, as far as these effects let them be off.
+///
+/// # Errors
+/// [`CannotSee`] says what the log lacks.
+pub fn lasers(log: &Log, planted: &[Planted]) -> Result<Vec<Laser>, CannotSee> {
+    Ok(Table::new(Seen::read(log)?).lasers(planted))
+}
+
+/// A log as the scanner would have recorded it, were its table right: vertical angles and places corrected in what is known, ranges
+/// in the firings.
+#[must_use]
+pub fn corrected(log: &Log, lasers: &[Laser]) -> Log {
+    let (Some(firings), Some(known)) = (log.firings.as_deref(), log.known.velodyne.as_ref()) else {
+        return log.clone();
+    };
+    if lasers.len() != firings.lasers() {
+        return log.clone();
+    }
+    let range = |(ranges, laser): (&Vec<u16>, &Laser)| {
+        let steps = laser.range_m / RANGE_STEP_M;
+        let shift = |range: &u16| match *range {
+            0 => 0,
+            range => (f64::from(range) - steps).round().clamp(1.0, f64::from(u16::MAX)) as u16,
+        };
+        ranges.iter().map(shift).collect()
+    };
+    let angles = known.vertical_angles_rad.iter().zip(lasers);
+    let velodyne = Velodyne {
+        vertical_angles_rad: angles.map(|(angle, laser)| angle + laser.vertical_rad).collect(),
+        left_m: lasers.iter().map(|laser| laser.left_m).collect(),
+        up_m: lasers.iter().map(|laser| laser.up_m).collect(),
+        ..known.clone()
+    };
+    let range_2mm = firings.range_2mm.iter().zip(lasers).map(range).collect();
+    Log {
+        known: Arc::new(Known { velodyne: Some(velodyne), ..(*log.known).clone() }),
+        firings: Some(Arc::new(Firings { range_2mm, ..firings.clone() })),
+        ..log.clone()
+    }
+}
