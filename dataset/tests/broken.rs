@@ -121,6 +121,8 @@ fn every_rule_names_file_line_column_and_value() {
         (CREATE, "dataset.toml", "[0.0, 0.219016]", "0.2", "sensor_origin_m must be a list of numbers, not 0.2"),
         (CAR, "dataset.toml", "[-0.4311, 0.03]", "[0.03, -0.4311]", "vertical_angles_rad must increase from laser to laser"),
         (CAR, "dataset.toml", "[-0.4311, 0.03]", "[]", "vertical_angles_rad must have 1 to 64 values, not 0"),
+        (CAR, "dataset.toml", "firing_rate_hz", "left_m = [0.0]\nfiring_rate_hz", "left_m must have 2, as there are lasers, or no values, not 1"),
+        (CAR, "dataset.toml", "firing_rate_hz", "up_m = [inf, 0.0]\nfiring_rate_hz", "up_m must be a finite number, not inf"),
         (CAR, "dataset.toml", "[-0.4311, 0.03]", "[-25.0]", "must be an angle in [-pi/2, pi/2], not -25.0"),
         (CAR, "dataset.toml", "percent = 100.0", "percent = 0.0", "throttle_percent must be a number greater than 0"),
         (AIBO, "commands.csv", "ay_m_per_s,", "", "commands.csv:1:1: the header must have a column ay_m_per_s"),

@@ -106,6 +106,8 @@ fn known(robot: &'static str) -> impl Strategy<Value = Known> {
                 .map(|(id, (x_m, y_m, height_m))| Beacon { id, x_m, y_m, height_m })
                 .collect(),
             velodyne: velodyne.map(|(vertical_angles_rad, firing_rate_hz, turn_rate_hz, sensor_height_m)| Velodyne {
+                left_m: vertical_angles_rad.iter().map(|angle| 0.1 * angle).collect(),
+                up_m: Vec::new(),
                 vertical_angles_rad,
                 firing_rate_hz,
                 turn_rate_hz,

@@ -144,6 +144,8 @@ pub enum Responses {
     Landmarks(Box<Library>),
     /// Of a car with a laser scanner.
     Drives(Box<Drives>),
+    /// Of nothing: a real scanner is held against the table of its own lasers ([`crate::real::scanner`]).
+    Unplayed,
 }
 
 impl Responds for Library {
@@ -157,6 +159,7 @@ impl Responds for Responses {
         match self {
             Self::Landmarks(library) => library.judge(log),
             Self::Drives(drives) => drives.judge(log),
+            Self::Unplayed => Err(CannotSee::Unplayed),
         }
     }
 }

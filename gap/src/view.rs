@@ -26,6 +26,11 @@ pub enum CannotSee {
     /// No pedals.
     #[error("the log has no commands of pedals: what a car would have done meanwhile cannot be played")]
     NoPedals,
+    /// No library.
+    #[error(
+        "nothing was played that the log could be held against: a real scanner is held against its own table alone"
+    )]
+    Unplayed,
     /// The scans of a car say nothing.
     #[error(transparent)]
     Follow(#[from] crate::drive::motion::CannotFollow),

@@ -88,6 +88,12 @@ fn step_cdeg(turned_cdeg: &[i64]) -> f64 {
 }
 
 impl Drive<'_> {
+    /// How far a laser stands to the left of where it looks, and up.
+    #[must_use]
+    pub fn place_m(&self, laser: usize) -> [f64; 2] {
+        self.places_m.get(laser).copied().unwrap_or_default()
+    }
+
     /// How many lasers there are.
     #[must_use]
     pub fn lasers(&self) -> usize {
@@ -141,7 +147,7 @@ impl Drive<'_> {
             self.firings.range_2mm.iter().zip(angles_rad.iter().zip(&self.elevation)).enumerate()
         {
             let (sin_l, cos_l) = sin_cos(*angle_rad);
-            let [left, up] = self.places_m.get(laser).copied().unwrap_or_default();
+            let [left, up] = self.place_m(laser);
             for (i, (&steps, (sin_r, cos_r))) in ranges[scan.first..scan.end].iter().zip(&turns).enumerate() {
                 let d = f64::from(steps) * RANGE_STEP_M;
                 let z = up + d * rise;

@@ -11,6 +11,7 @@ mod offsets;
 mod pairs;
 mod sensor;
 mod signal;
+mod thickness;
 
 pub use angles::{Angles, chain, graph};
 pub use cloud::{Cut, cloud};
@@ -22,6 +23,7 @@ pub use offsets::{Offsets, Slope, from_slopes, slopes};
 pub use pairs::{PairLag, pair_lags, pairs};
 pub use sensor::{Layout, Sensor};
 pub use signal::{Shaping, Signal};
+pub use thickness::{Thickness, thickness};
 
 /// Why a log's firings say nothing.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

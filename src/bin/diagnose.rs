@@ -46,7 +46,8 @@ struct Arguments {
     #[arg(long, value_name = "N")]
     calibrate: Option<usize>,
     /// The log is of a real robot: how noisy it is, is learned from a quarter of the log, in pieces, which is not diagnosed;
-    /// then effects are named one beside another, the most evident first, for as long as they explain more
+    /// then effects are named one beside another, the most evident first, for as long as they explain more. Of a car: its laser scanner
+    /// is held against the table of its own lasers, by its scans alone
     #[arg(long)]
     real: bool,
     /// Where what was played is kept

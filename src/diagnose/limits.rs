@@ -54,6 +54,8 @@ pub enum ShowsNothing {
 /// Less than this is less than the filter takes to settle and to be scored at all.
 const LEAST_S: f64 = 10.0;
 const LEAST_SIGHTINGS: usize = 20;
+/// Less of a drive than this does not show what is the street's, and what the scanner's.
+const LEAST_SCANS_S: f64 = 3.0;
 /// Less of a drive than this is hardly more than what it takes to be followed.
 const LEAST_DRIVE_S: f64 = 20.0;
 /// In a drive a gap of minutes is one; one of hours is a clock that was set.
@@ -106,6 +108,15 @@ pub fn limits(log: &Log) -> Result<Limited, ShowsNothing> {
     }
     notes.extend(lacks(&part)?);
     Ok(Limited { log: from_zero(part, began_s), notes })
+}
+
+/// The same of a real laser scanner, which is diagnosed by its scans alone.
+///
+/// # Errors
+/// [`ShowsNothing`] where that is everything.
+pub fn of_scanner(log: &Log) -> Result<Limited, ShowsNothing> {
+    follows(log, LEAST_SCANS_S)?;
+    Ok(Limited { log: log.clone(), notes: Vec::new() })
 }
 
 /// The part of a log that is looked at, and its end: of parts between which nothing is sighted that with the most
@@ -180,16 +191,22 @@ const ALIKE: &str = "the command never changes: delays, lags and all that shows 
 
 /// The same of a car with a laser scanner.
 fn of_drive(log: &Log) -> Result<Vec<String>, ShowsNothing> {
+    follows(log, LEAST_DRIVE_S)?;
+    Ok(commanded_alike(log).then(|| ALIKE.to_owned()).into_iter().collect())
+}
+
+/// Whether firings last so long, and no longer than a drive does.
+fn follows(log: &Log, least_s: f64) -> Result<(), ShowsNothing> {
     let firings = log.firings.as_deref().filter(|firings| !firings.is_empty()).ok_or(ShowsNothing::NoFirings)?;
     let found_s = firings.t_s.last().zip(firings.t_s.first()).map_or(0.0, |(last_s, first_s)| last_s - first_s);
-    if found_s.is_nan() || found_s < LEAST_DRIVE_S {
-        return Err(ShowsNothing::TooShortDrive { found_s, least_s: LEAST_DRIVE_S });
+    if found_s.is_nan() || found_s < least_s {
+        return Err(ShowsNothing::TooShortDrive { found_s, least_s });
     }
     let jump = firings.t_s.windows(2).find(|pair| pair[1] - pair[0] > MOST_GAP_OF_DRIVE_S);
     if let Some(jump) = jump {
         return Err(ShowsNothing::Jump { from_s: jump[0], to_s: jump[1], most_s: MOST_GAP_OF_DRIVE_S });
     }
-    Ok(commanded_alike(log).then(|| ALIKE.to_owned()).into_iter().collect())
+    Ok(())
 }
 
 /// Whether all commands are the same.
@@ -243,6 +260,11 @@ mod tests {
         assert!(matches!(limits(&with(12.0)), Err(ShowsNothing::TooShortDrive { .. })));
         assert!(matches!(limits(&with(9000.0)), Err(ShowsNothing::Jump { .. })));
         assert_eq!(limits(&with(60.0)).unwrap().notes, Vec::<String>::new());
+        // A scanner's own table shows in less, and without a command.
+        let scans = |until_s: f64| of_scanner(&Log { commands: Vec::new().into(), ..with(until_s) });
+        assert_eq!(scans(12.0).unwrap().notes, Vec::<String>::new());
+        assert!(matches!(scans(2.0), Err(ShowsNothing::TooShortDrive { .. })));
+        assert_eq!(of_scanner(&drive), Err(ShowsNothing::NoFirings));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! written of the answer.
 
 pub mod courses;
+pub mod lasers;
 pub mod limits;
 pub mod nominal;
 pub mod progress;
@@ -21,11 +22,14 @@ use asami_gap::findings::Findings;
 use asami_gap::library::Responses;
 use asami_gap::practice::LAW;
 use asami_gap::real;
+use asami_gap::real::scanner::lasers::Laser;
+use asami_gap::real::scanner::{self, Found};
 use asami_gap::view::CannotSee;
 use asami_gap::{Budget, Diagnosis, Responds, Variant};
 use asami_sim::effects::catalogue;
 
 use crate::report::diagnosis::{Beside, report};
+use crate::scenario::Robot;
 use crate::scenario::fault::nearest;
 use crate::sweep::manifest::program;
 use courses::Played;
@@ -43,6 +47,13 @@ const CASES_IN_RAPIER: usize = 75;
 /// Fewer cases, those with their effect taken out of the list among them, are not learned from.
 const LEAST_CASES: usize = 75;
 const _: () = assert!(LEAST_CASES <= CASES_IN_RAPIER && CASES_IN_RAPIER <= CASES);
+
+/// What a real robot's log is diagnosed by.
+const BY_A_QUARTER: &str = "a quarter of the log, in pieces of 20 s, says how noisy robot and sensor are; it is not diagnosed, and \
+                            probabilities are not calibrated";
+/// And a real laser scanner's.
+const BY_SCANS: &str = "the scanner is held against the table of its own lasers, by its scans alone; how they scatter from second \
+                        to second says how much is chance, and probabilities are not calibrated";
 
 /// What is asked of a diagnosis.
 #[derive(Clone, Debug, Default)]
@@ -74,9 +85,6 @@ pub enum CannotDiagnose {
     /// Nor to the filter.
     #[error("nothing can be said: {0}")]
     See(#[from] CannotSee),
-    /// No landmarks.
-    #[error("--real is for logs of robots that see landmarks: a car's scans say themselves how noisy they are")]
-    OnlyLandmarks,
     /// An effect that is not in the catalogue.
     #[error("there is no effect {name}{}; `list effects` shows all", meant(name))]
     NoSuchEffect {
@@ -134,8 +142,12 @@ impl Ready {
         let on: Vec<String> = held.simulation.effects.iter().map(|effect| effect.about().name.to_owned()).collect();
         let variants = Variant::all(held.simulation.robot.name(), held.simulation.field.beacons.len(), &on);
         let budget = asked.budget.unwrap_or_else(|| Budget::of(held.simulation.robot.name()));
-        let shelf = Shelf { folder: asked.libraries.clone(), budget, listener };
-        let shelved = shelf.library(&held.name, &held.simulation, &variants)?;
+        let shelved = if asked.real && held.simulation.robot == Robot::Car {
+            Shelved::unplayed(&variants)
+        } else {
+            let shelf = Shelf { folder: asked.libraries.clone(), budget, listener };
+            shelf.library(&held.name, &held.simulation, &variants)?
+        };
         let suits = match (asked.real, held.simulation.robot.name()) {
             // Its noise is none of theirs.
             (true, _) => 0,
@@ -169,14 +181,16 @@ impl Ready {
         Ok(Findings::new(&*self.shelved.library.judge(log)?, &self.variants).evidence())
     }
 
-    /// The same of a real robot's log.
+    /// The same of a real robot's log, or of a real laser scanner's, with what its lasers are off by.
     ///
     /// # Errors
-    /// [`CannotDiagnose::OnlyLandmarks`] of a car; [`CannotDiagnose::See`] says what the log lacks.
-    pub fn diagnose_real(&self, log: &Log) -> Result<Diagnosis, CannotDiagnose> {
+    /// [`CannotSee`] says what the log lacks.
+    pub fn diagnose_real(&self, log: &Log) -> Result<Found, CannotSee> {
         match &self.shelved.library {
-            Responses::Landmarks(library) => Ok(real::diagnose(library, &self.variants, log)?),
-            Responses::Drives(_) => Err(CannotDiagnose::OnlyLandmarks),
+            Responses::Landmarks(library) => {
+                Ok(Found { diagnosis: real::diagnose(library, &self.variants, log)?, lasers: Vec::new() })
+            }
+            Responses::Drives(_) | Responses::Unplayed => scanner::diagnose(&self.variants, log),
         }
     }
 
@@ -205,6 +219,8 @@ pub struct Answer {
     pub notes: Vec<String>,
     /// The text of `with_effect.toml`, where an effect was found.
     pub with_effect: Option<String>,
+    /// What each laser of a real scanner is off by; empty of others, and where nothing is.
+    pub lasers: Vec<Laser>,
     /// How much of the log was looked at.
     pub length_s: f64,
 }
@@ -215,24 +231,26 @@ impl Answer {
     /// # Errors
     /// [`CannotDiagnose`] says what is missing.
     pub fn new(log: &Log, asked: &Asked, listener: &dyn Listener) -> Result<(Self, Ready), CannotDiagnose> {
-        let Limited { log, mut notes } = limits::limits(log)?;
+        let scans = asked.real && log.known.robot == Robot::Car.name();
+        let Limited { log, mut notes } = if scans { limits::of_scanner(log)? } else { limits::limits(log)? };
         if asked.real {
-            notes.push(
-                "a quarter of the log, in pieces of 20 s, says how noisy robot and sensor are; it is not diagnosed, and \
-                 probabilities are not calibrated"
-                    .to_owned(),
-            );
+            notes.push(if scans { BY_SCANS } else { BY_A_QUARTER }.to_owned());
         }
         notes.iter().for_each(|note| listener.says(&format!("note: {note}")));
         let ready = Ready::new(&log, asked, listener)?;
         listener.says("reading the log");
-        let diagnosis = if asked.real { ready.diagnose_real(&log)? } else { ready.diagnose(&log)? };
+        let Found { diagnosis, lasers } = if asked.real {
+            ready.diagnose_real(&log)?
+        } else {
+            Found { diagnosis: ready.diagnose(&log)?, lasers: Vec::new() }
+        };
         let cause = repaired::cause(&diagnosis);
         let with_effect = cause.map(|cause| repaired::repaired(&ready.held.text, cause)).transpose()?;
-        Ok((Self { diagnosis, notes, with_effect, length_s: length_s(&log) }, ready))
+        Ok((Self { diagnosis, notes, with_effect, lasers, length_s: length_s(&log) }, ready))
     }
 
-    /// Writes `diagnosis.json`, `report.html` and `with_effect.toml`; the last is removed where no effect was found.
+    /// Writes `diagnosis.json`, `report.html` and `with_effect.toml`, of a real scanner `lasers.csv` as well; the last two are removed
+    /// where no effect was found.
     ///
     /// # Errors
     /// [`CannotDiagnose::Write`].
@@ -245,13 +263,16 @@ impl Answer {
         let json = out.join("diagnosis.json");
         let text = serde_json::to_string_pretty(&self.diagnosis).map_err(|error| failed(&json)(error.into()))?;
         std::fs::write(&json, text + "\n").map_err(failed(&json))?;
-        let repaired = out.join("with_effect.toml");
-        match &self.with_effect {
-            Some(text) => std::fs::write(&repaired, text).map_err(failed(&repaired))?,
-            None => match std::fs::remove_file(&repaired) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(failed(&repaired)(error)),
-                _ => {}
-            },
+        let lasers = (!self.lasers.is_empty()).then(|| lasers::csv(&self.lasers));
+        for (name, text) in [("with_effect.toml", &self.with_effect), ("lasers.csv", &lasers)] {
+            let path = out.join(name);
+            match text {
+                Some(text) => std::fs::write(&path, text).map_err(failed(&path))?,
+                None => match std::fs::remove_file(&path) {
+                    Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(failed(&path)(error)),
+                    _ => {}
+                },
+            }
         }
         let page = out.join("report.html");
         let report = report(&self.diagnosis, &self.beside(log, ready));

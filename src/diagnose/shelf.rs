@@ -66,6 +66,15 @@ pub struct Shelved {
     mark: String,
 }
 
+impl Shelved {
+    /// What a log that is held against no world needs: nothing.
+    #[must_use]
+    pub fn unplayed(variants: &[Variant]) -> Self {
+        let (folder, mark) = (PathBuf::from("none"), String::new());
+        Self { library: Responses::Unplayed, variants: variants.to_vec(), folder, mark }
+    }
+}
+
 impl Shelf<'_> {
     /// The library of `nominal`, called `name`, for these kinds of effects: parts that are kept are read, the others
     /// made, in parallel, and kept.

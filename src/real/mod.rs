@@ -6,6 +6,7 @@ pub mod capture;
 pub mod foretold;
 pub mod learning;
 pub mod odometry;
+pub mod scanner;
 pub mod scenario;
 pub mod tables;
 pub mod walk;

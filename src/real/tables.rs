@@ -7,6 +7,7 @@ use asami_gap::Diagnosis;
 use asami_gap::diagnosis::Cause;
 
 use super::foretold;
+use super::scanner;
 use super::walk::{Part, Record, Results};
 use crate::diagnose::words;
 use crate::report::sweep::made_with;
@@ -37,6 +38,7 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
         write("learning.csv", &foretold::csv(&results.real.name, &foretold))?;
         tables.push(("real_learning", foretold::table(&foretold)));
     }
+    tables.extend(scanner::table(results).map(|table| ("real_scanners", table)));
     for (name, table) in &tables {
         write(&format!("{name}.csv"), &table.csv())?;
         write(&format!("{name}.md"), &table.markdown())?;

@@ -8,14 +8,16 @@ use std::time::Instant;
 
 use asami_dataset::{Dataset, Log};
 use asami_gap::Diagnosis;
+use asami_gap::real::scanner::Found;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::capture::capture;
+use super::capture::{Capture, capture};
 use super::learning::{Lesson, lessons};
 use super::odometry;
+use super::scanner::{self, Checked};
 use super::scenario::{Real, Source};
-use crate::diagnose::limits::limits;
+use crate::diagnose::limits::{limits, of_scanner};
 use crate::diagnose::progress::Listener;
 use crate::diagnose::{self, Ready};
 use crate::import;
@@ -78,6 +80,8 @@ pub struct Record {
     pub capture: BTreeMap<String, f64>,
     /// How much of what motion is off each discrepancy explains alone, by motion capture, the largest first.
     pub shares: Vec<(String, f64)>,
+    /// Of a laser scanner: whether correcting its table makes its scans better.
+    pub checked: Option<Checked>,
     /// Why nothing can be said; empty if something was.
     pub error: String,
     /// Goes to `timings.csv` only.
@@ -225,17 +229,41 @@ impl Prepared<'_> {
     fn record(&self, part: Part) -> Record {
         let began = Instant::now();
         let log = part.of(&self.dataset.log);
+        let scans = log.firings.is_some();
         let said = catch_unwind(AssertUnwindSafe(|| {
-            let limited = limits(&log).map_err(|error| error.to_string())?;
+            let limited = if scans { of_scanner(&log) } else { limits(&log) };
+            let limited = limited.map_err(|error| error.to_string())?;
             self.ready.diagnose_real(&limited.log).map_err(|error| error.to_string())
         }));
-        let (diagnosis, error) = match said {
-            Ok(Ok(diagnosis)) => (Some(diagnosis), String::new()),
+        let (found, error) = match said {
+            Ok(Ok(found)) => (Some(found), String::new()),
             Ok(Err(error)) => (None, error),
             Err(panic) => (None, panic_message(&*panic)),
         };
         let took_s = began.elapsed().as_secs_f64();
         // Truth comes in only now.
+        let (captured, checked) = if scans {
+            let lasers = found.as_ref().map_or(&[][..], |found| &found.lasers);
+            let on = scanner::on(part).of(&self.dataset.log);
+            (Capture::default(), scanner::checked(&on, lasers, &self.dataset.truth.track))
+        } else {
+            (self.captured(log), None)
+        };
+        Record {
+            log: self.source.name.clone(),
+            robot: self.robot,
+            part,
+            diagnosis: found.map(|Found { diagnosis, .. }| diagnosis),
+            capture: captured.values,
+            shares: captured.shares.into_iter().map(|(name, share)| (name.to_owned(), share)).collect(),
+            checked,
+            error,
+            timing: Timing { log_s: 0.0, trials_s: vec![took_s] },
+        }
+    }
+
+    /// What motion capture shows of a log.
+    fn captured(&self, log: Log) -> Capture {
         let (first_s, last_s) = log.span_s().unwrap_or_default();
         let mut seen = Dataset { log, ..self.dataset.clone() };
         seen.truth.track = seen.truth.track.window(&(first_s..last_s));
@@ -243,16 +271,6 @@ impl Prepared<'_> {
             Policy::Roam(roams) => roams.create.wheels.lag_s,
             _ => 0.0,
         };
-        let captured = capture(&seen, own_lag_s);
-        Record {
-            log: self.source.name.clone(),
-            robot: self.robot,
-            part,
-            diagnosis,
-            capture: captured.values,
-            shares: captured.shares.into_iter().map(|(name, share)| (name.to_owned(), share)).collect(),
-            error,
-            timing: Timing { log_s: 0.0, trials_s: vec![took_s] },
-        }
+        capture(&seen, own_lag_s)
     }
 }

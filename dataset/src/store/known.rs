@@ -88,7 +88,7 @@ fn velodyne(mut keys: Keys<'_>) -> Result<Velodyne, ReadError> {
         if places.is_empty() || places.len() == found {
             return Ok(places);
         }
-        let expected = format!("one for each of the {found} lasers, or none");
+        let expected = format!("{found}, as there are lasers, or no");
         Err(keys.wrong_at(key, Wrong::Length { name: key, expected, found: places.len() }))
     };
     let (left_m, up_m) = (places("left_m")?, places("up_m")?);

@@ -40,6 +40,8 @@ fn a_data_set_keeps_its_firings_and_names_the_packet_that_is_broken() {
         firing_rate_hz: 7800.0,
         turn_rate_hz: 10.0,
         sensor_height_m: 2.0,
+        left_m: Vec::new(),
+        up_m: Vec::new(),
     };
     dataset.log.firings = first.log.firings;
     dataset.log.known = Arc::new(Known { velodyne: Some(velodyne), ..(*dataset.log.known).clone() });

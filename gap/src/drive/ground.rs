@@ -130,6 +130,7 @@ fn points(moved: &Moved<'_>, scan: &Scan) -> Vec<(usize, [f64; 3])> {
     let mut points = Vec::new();
     for (laser, (rise, reach)) in drive.elevation.iter().enumerate().filter(|(_, (rise, _))| *rise < DOWN) {
         let (sin_l, cos_l) = sin_cos(moved.angles_rad[laser]);
+        let up_m = drive.place_m(laser)[1];
         for (steps, (sin_r, cos_r)) in drive.firings.range_2mm[laser][scan.first..scan.end].iter().zip(&turns) {
             let r = f64::from(*steps) * RANGE_STEP_M;
             let flat_m = r * reach;
@@ -139,7 +140,7 @@ fn points(moved: &Moved<'_>, scan: &Scan) -> Vec<(usize, [f64; 3])> {
             }
             let x = flat_m * (cos_l * cos_r - sin_l * sin_r);
             if x.abs() < AHEAD_M {
-                points.push((laser, [x, y, r * rise]));
+                points.push((laser, [x, y, up_m + r * rise]));
             }
         }
     }

@@ -53,6 +53,7 @@ impl Walls {
         for (a, pair) in self.pairs.iter_mut().enumerate() {
             let (one, other) = (&firings.range_2mm[a], &firings.range_2mm[a + 1]);
             let ((rise, reach), (_, other_reach)) = (drive.elevation[a], drive.elevation[a + 1]);
+            let aside_m = drive.place_m(a)[0] - drive.place_m(a + 1)[0];
             // So many firings later the other looks the same way.
             let lag = (moved.angles_rad[a + 1] - moved.angles_rad[a]) / drive.step_rad;
             let (whole, part) = (lag.floor(), lag - lag.floor());
@@ -72,9 +73,10 @@ impl Walls {
                 let turned_rad = f64::from(firings.encoder_cdeg[i]) * ENCODER_STEP_RAD;
                 let went_m = v_m_per_s * lag * firing_s * cos(moved.angles_rad[a] - turned_rad);
                 let flat_m = r[1] * reach;
-                let off_m = flat_m - ((p + part * (q - p)) * other_reach + went_m);
                 // The head turns clockwise.
                 let slope_m = -(r[2] - r[0]) * reach / (4.0 * drive.step_rad);
+                let known_m = aside_m * slope_m / flat_m;
+                let off_m = flat_m - ((p + part * (q - p)) * other_reach + went_m) - known_m;
                 if off_m.abs() < GATE_M && slope_m.abs() < 1.5 * flat_m {
                     pair.add([1.0, slope_m, slope_m / flat_m], off_m);
                     let bend_m = (r[0] - 2.0 * r[1] + r[2]) * reach;
@@ -140,10 +142,10 @@ impl Pair {
         let range_m2 = self.bends_m2 / (6.0 * self.n);
         let slope_m2 = 2.0 * range_m2 / (4.0 * step_rad).powi(2);
         let mut normal: Vec<Vec<f64>> = self.normal.iter().map(|row| row.to_vec()).collect();
-        for i in 1..3 {
-            for j in 1..3 {
+        for (i, row) in normal.iter_mut().enumerate().skip(1) {
+            for (j, it) in row.iter_mut().enumerate().skip(1) {
                 // Of walls that all stand square to the ray noise would leave nothing.
-                normal[i][j] -= (slope_m2 * self.sums[i + j - 2]).min(0.5 * normal[i][j].max(0.0));
+                *it -= (slope_m2 * self.sums[i + j - 2]).min(0.5 * it.max(0.0));
             }
         }
         let l = cholesky(&normal)?;

@@ -3,7 +3,7 @@
 use asami_math::elementary::ln;
 use nalgebra::{DMatrix, DVector};
 
-use super::seen::{Block, Mean, SHAPE_M, Seen, What, powers};
+use super::seen::{Block, Mean, SHAPE_M, Seen, What, height_m, powers, road_shape};
 
 /// Where one laser's row in the scanner's table is to be corrected.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,15 +39,29 @@ pub struct Off {
     pub louder: [f64; 3],
 }
 
-/// What a block said under a hypothesis.
-#[derive(Clone, Debug, PartialEq)]
+/// What a mean said under a hypothesis, after those before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Said {
-    /// `log p(block | those before)`.
-    pub log_likelihood: f64,
+    /// Off its prediction, and off the road's shape.
+    pub plain_m: f64,
+    /// Off its prediction, whitened.
+    pub white: f64,
+    /// Logarithm of the scale.
+    pub ln_scale: f64,
+}
+
+impl Said {
+    /// `log p(mean | those before)`.
+    #[must_use]
+    pub fn log_likelihood(&self) -> f64 {
+        0.5 - 0.5 * self.white * self.white - self.expected()
+    }
+
     /// What is expected of minus it.
-    pub expected: f64,
-    /// Each mean off its prediction, the same whitened, and the logarithm of the scale.
-    pub off: Vec<[f64; 3]>,
+    #[must_use]
+    pub fn expected(&self) -> f64 {
+        0.5 + 0.5 * ln(std::f64::consts::TAU) + self.ln_scale
+    }
 }
 
 /// A filter for what lasers are off by: first the vertical angles, then the ranges.
@@ -68,8 +82,8 @@ impl<'a> Lasers<'a> {
         Self { seen, off, mean, covariance: DMatrix::from_diagonal(&DVector::from_fn(2 * n, |i, _| prior(i))) }
     }
 
-    /// Learns from a block, and says how likely it was before. `None` if numbers fail.
-    pub fn take(&mut self, block: &Block) -> Option<Said> {
+    /// Learns from a block, and says how likely its means were before, one after another. `None` if numbers fail.
+    pub fn take(&mut self, block: &Block) -> Option<Vec<Said>> {
         let n = block.means.len();
         let lasers = self.seen.elevation.len();
         let mut h = DMatrix::zeros(n, 2 * lasers);
@@ -92,16 +106,14 @@ impl<'a> Lasers<'a> {
         let cholesky = s.cholesky()?;
         let l = cholesky.l();
         let white = l.solve_lower_triangular(&off)?;
-        let ln_scale = (0..n).fold(0.0, |sum, i| sum + ln(l[(i, i)]));
+        let on_road = |i: usize| (block.means[i].what.kind() == 0).then_some((block.means[i].flat_m, off[i]));
+        let road_m = road_shape((0..n).filter_map(on_road));
+        let plain = |i: usize| on_road(i).map_or(off[i], |(flat_m, off_m)| off_m - height_m(road_m, flat_m));
         let gain = cholesky.solve(&seen).transpose();
         self.mean += &gain * &off;
         self.covariance -= &gain * &seen;
-        let constant = ln_scale + 0.5 * n as f64 * ln(std::f64::consts::TAU);
-        Some(Said {
-            log_likelihood: -0.5 * white.norm_squared() - constant,
-            expected: 0.5 * n as f64 + constant,
-            off: (0..n).map(|i| [off[i], white[i], ln(l[(i, i)])]).collect(),
-        })
+        let said = |i: usize| Said { plain_m: plain(i), white: white[i], ln_scale: ln(l[(i, i)]) };
+        Some((0..n).map(said).collect())
     }
 
     /// Calls `with` for each number of the state that a mean hangs on.

@@ -9,6 +9,7 @@
 //! Of the catalogue those effects are thought of that this shows: vertical angles, ranges, and where lasers stand. How the scanner's
 //! base leans cannot be told from how the car stands on its springs, nor a clock from a street.
 
+pub mod agrees;
 pub mod judge;
 pub mod lasers;
 pub mod seen;
@@ -20,6 +21,7 @@ use asami_dataset::log::Velodyne;
 use asami_dataset::{Firings, Known, Log};
 
 use super::assembled;
+use super::layers::Layer;
 use super::layers::{Least, layers, planted, reconsidered};
 use crate::diagnosis::Diagnosis;
 use crate::judge::Judge;
@@ -29,8 +31,10 @@ use judge::Table;
 use lasers::Laser;
 use seen::Seen;
 
-/// Street scenes are no simulated ones: less than this is not worth a name.
+/// What is less evident, or adds less, may as well be the street's.
 const LEAST: Least = Least { nats: 10.0, share: 0.01 };
+/// How loud chance is hangs on what is put into the table, and that on how loud it is.
+const ROUNDS: usize = 2;
 
 /// A scanner's log, diagnosed, and its lasers as they are found to be.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,11 +50,36 @@ pub struct Found {
 /// # Errors
 /// [`CannotSee`] says what the log lacks.
 pub fn diagnose(variants: &[Variant], log: &Log) -> Result<Found, CannotSee> {
-    let table = Table::new(Seen::read(log)?);
+    let mut table = Table::new(Seen::read(log)?);
     let variants: Vec<Variant> = variants.iter().filter(|it| table.knows(it)).cloned().collect();
-    let found = reconsidered(&table, &variants, layers(&table, &variants, LEAST), LEAST);
+    let named = |table: &Table| reconsidered(table, &variants, layers(table, &variants, LEAST), LEAST);
+    let mut found: Vec<Layer> = named(&table);
+    for _ in 1..ROUNDS {
+        table.listen(&planted(&found));
+        found = named(&table);
+    }
     let lasers = if found.is_empty() { Vec::new() } else { table.lasers(&planted(&found)) };
-    Ok(Found { diagnosis: assembled(&table, &variants, &found), lasers })
+    // Banks that stand apart show whatever else does: of what comes in sizes the least is asked for.
+    let sized: Vec<Variant> =
+        variants.into_iter().filter(|it| it.choices.iter().all(|(_, value)| *value == 0.0)).collect();
+    Ok(Found { diagnosis: shown(assembled(&table, &sized, &found), &sized), lasers })
+}
+
+/// The diagnosis without parameters that do not show: what all lasers are off by alike is the street's shape as well.
+fn shown(mut diagnosis: Diagnosis, variants: &[Variant]) -> Diagnosis {
+    let shows =
+        |path: &str| path.split_once('.').is_some_and(|(effect, parameter)| judge::shows(effect, parameter).is_some());
+    for cause in &mut diagnosis.which {
+        cause.parameters.retain(|path, _| shows(path));
+    }
+    let named = |(path, size): (String, f64)| {
+        let about = variants.iter().map(|it| it.about).find(|about| path.starts_with(&format!("{}.", about.name)));
+        let mut moves =
+            about.into_iter().flat_map(|about| about.law.iter().map(|(name, _)| format!("{}.{name}", about.name)));
+        (moves.find(|path| shows(path)).unwrap_or(path), size)
+    };
+    diagnosis.smallest_visible = diagnosis.smallest_visible.into_iter().map(named).collect();
+    diagnosis
 }
 
 /// The lasers of a log, as far as these effects let them be off.

@@ -91,9 +91,8 @@ impl Seen {
     /// # Errors
     /// [`CannotSee`] where its scans cannot be followed, or too little of road and walls is seen.
     pub fn read(log: &Log) -> Result<Self, CannotSee> {
-        let times = log.firings.as_deref().map_or(&[][..], |firings| &firings.t_s);
-        let length_s = times.first().zip(times.last()).map_or(0.0, |(first_s, last_s)| last_s - first_s);
-        let moved = Moved::read_every(log, (length_s / SCANS).clamp(APART_S[0], APART_S[1]))?;
+        let length_s = length_s(log);
+        let moved = Moved::read_every(log, apart_s(log))?;
         let block_s = (length_s / BLOCKS).clamp(BLOCK_S[0], BLOCK_S[1]);
         let height_m = log.known.velodyne.as_ref().map_or(2.0, |unit| unit.sensor_height_m);
         let mut blocks = means(&moved, block_s, height_m);
@@ -105,6 +104,17 @@ impl Seen {
         }
         Ok(Self { blocks, block_s, length_s, elevation: moved.drive.elevation.clone() })
     }
+}
+
+fn length_s(log: &Log) -> f64 {
+    let times = log.firings.as_deref().map_or(&[][..], |firings| &firings.t_s);
+    times.first().zip(times.last()).map_or(0.0, |(first_s, last_s)| last_s - first_s)
+}
+
+/// How far apart the scans are that are matched.
+#[must_use]
+pub fn apart_s(log: &Log) -> f64 {
+    (length_s(log) / SCANS).clamp(APART_S[0], APART_S[1])
 }
 
 /// The blocks' means, their variances not known yet.
@@ -158,14 +168,15 @@ fn scatter(blocks: &mut [Block]) {
     let mut left = std::collections::BTreeMap::<What, Vec<f64>>::new();
     for block in &*blocks {
         let off = |mean: &Mean| mean.value_m - usual(&mean.what);
-        let shape = shape(block.means.iter().filter(|mean| mean.what.kind() == 0).map(|mean| (mean.flat_m, off(mean))));
+        let shape =
+            road_shape(block.means.iter().filter(|mean| mean.what.kind() == 0).map(|mean| (mean.flat_m, off(mean))));
         for mean in &block.means {
             let road = if mean.what.kind() == 0 { height_m(shape, mean.flat_m) } else { 0.0 };
             left.entry(mean.what).or_default().push(mean.shows.sqrt() * (off(mean) - road));
         }
     }
     let squares = |values: &[f64]| values.iter().fold(0.0, |sum, it| sum + it * it);
-    for kind in 0..3 {
+    for (kind, least_m) in LEAST_SD_M.into_iter().enumerate() {
         let of_kind = || left.iter().filter(|(what, _)| what.kind() == kind).map(|(_, values)| values);
         let freedom: f64 = of_kind().map(|values| values.len() as f64 - 1.0).sum();
         let sum: f64 = of_kind().map(|values| squares(values)).sum();
@@ -176,7 +187,7 @@ fn scatter(blocks: &mut [Block]) {
             let n = (freedom / of_kind().count().max(1) as f64 + 1.0).max(2.0);
             (products / sum.max(1e-12) + 1.0 / n).clamp(0.0, 0.8)
         };
-        let least = LEAST_SD_M[kind] * LEAST_SD_M[kind];
+        let least = least_m * least_m;
         for mean in blocks.iter_mut().flat_map(|block| &mut block.means).filter(|mean| mean.what.kind() == kind) {
             let own = &left[&mean.what];
             let n = own.len() as f64 - 1.0;
@@ -197,12 +208,14 @@ pub fn powers(flat_m: f64) -> [f64; 4] {
 }
 
 /// Height of a shape at a distance.
-fn height_m(shape: [f64; 4], flat_m: f64) -> f64 {
+#[must_use]
+pub fn height_m(shape: [f64; 4], flat_m: f64) -> f64 {
     shape.iter().zip(powers(flat_m)).fold(0.0, |sum, (weight, power)| sum + weight * power)
 }
 
 /// The road's shape by least squares, as likely as it is to begin with.
-fn shape(points: impl Iterator<Item = (f64, f64)>) -> [f64; 4] {
+#[must_use]
+pub fn road_shape(points: impl Iterator<Item = (f64, f64)>) -> [f64; 4] {
     let mut normal = nalgebra::Matrix4::<f64>::zeros();
     let mut right = nalgebra::Vector4::<f64>::zeros();
     let precision = 1.0 / (0.005 * 0.005);
