@@ -8,6 +8,12 @@ pub enum ShowsNothing {
     /// No command.
     #[error("the log has no commands: what the nominal world would have done meanwhile cannot be played")]
     NoCommands,
+    /// No command, but firings.
+    #[error(
+        "the log has no commands, so that what the nominal world would have done meanwhile cannot be played; with --real its laser \
+         scanner is diagnosed by its scans alone"
+    )]
+    OnlyScans,
     /// No observation.
     #[error("the log has no sightings: nothing in it was observed that could part it from the nominal world")]
     NoSightings,
@@ -88,7 +94,7 @@ pub struct Limited {
 /// [`ShowsNothing`] where that is everything.
 pub fn limits(log: &Log) -> Result<Limited, ShowsNothing> {
     if log.commands.is_empty() {
-        return Err(ShowsNothing::NoCommands);
+        return Err(if log.firings.is_some() { ShowsNothing::OnlyScans } else { ShowsNothing::NoCommands });
     }
     if log.known.robot == "car" {
         return Ok(Limited { log: log.clone(), notes: of_drive(log)? });
@@ -262,6 +268,7 @@ mod tests {
         assert_eq!(limits(&with(60.0)).unwrap().notes, Vec::<String>::new());
         // A scanner's own table shows in less, and without a command.
         let scans = |until_s: f64| of_scanner(&Log { commands: Vec::new().into(), ..with(until_s) });
+        assert_eq!(limits(&Log { commands: Vec::new().into(), ..with(60.0) }), Err(ShowsNothing::OnlyScans));
         assert_eq!(scans(12.0).unwrap().notes, Vec::<String>::new());
         assert!(matches!(scans(2.0), Err(ShowsNothing::TooShortDrive { .. })));
         assert_eq!(of_scanner(&drive), Err(ShowsNothing::NoFirings));

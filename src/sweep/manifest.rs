@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::process::Command;
+use std::sync::OnceLock;
 
 use serde::Serialize;
 
@@ -19,9 +20,9 @@ pub struct Manifest {
     pub scenario_hash: String,
     /// Version of asami.
     pub version: &'static str,
-    /// Commit of the repository, where git is there and says so.
+    /// Commit of the repository when the sweep began, where git is there and says so.
     pub commit: Option<String>,
-    /// Whether files differ from that commit.
+    /// Whether files differed from that commit.
     pub dirty: Option<bool>,
     /// Hash of Cargo.lock.
     pub lock_hash: String,
@@ -79,8 +80,8 @@ pub fn of((scenario, scenario_hash): (&str, String), (cases, trials): (usize, us
         scenario: scenario.to_owned(),
         scenario_hash,
         version: env!("CARGO_PKG_VERSION"),
-        commit: git(&["rev-parse", "HEAD"]),
-        dirty: git(&["status", "--porcelain"]).map(|changes| !changes.is_empty()),
+        commit: checkout().commit.clone(),
+        dirty: checkout().dirty,
         lock_hash: format!("blake3:{}", blake3::hash(include_bytes!("../../Cargo.lock")).to_hex()),
         program: program.to_owned(),
         rustc: env!("ASAMI_RUSTC"),
@@ -93,9 +94,26 @@ pub fn of((scenario, scenario_hash): (&str, String), (cases, trials): (usize, us
     }
 }
 
-/// The hash of the running program's file; of what it says of itself, where that cannot be read.
+/// The state of the repository.
+struct Checkout {
+    commit: Option<String>,
+    dirty: Option<bool>,
+}
+
+/// As it was when it was first asked for: while a sweep runs for hours, somebody works on.
+fn checkout() -> &'static Checkout {
+    static CHECKOUT: OnceLock<Checkout> = OnceLock::new();
+    CHECKOUT.get_or_init(|| Checkout {
+        commit: git(&["rev-parse", "HEAD"]),
+        dirty: git(&["status", "--porcelain"]).map(|changes| !changes.is_empty()),
+    })
+}
+
+/// The hash of the running program's file; of what it says of itself, where that cannot be read. Notes the state of the
+/// repository, too, for the manifest.
 #[must_use]
 pub fn program() -> String {
+    checkout();
     let bytes = std::env::current_exe().and_then(std::fs::read);
     let said = [env!("CARGO_PKG_VERSION"), env!("ASAMI_RUSTC"), env!("ASAMI_PROFILE")].join(" ");
     let hash = blake3::hash(bytes.as_deref().unwrap_or(said.as_bytes()));
