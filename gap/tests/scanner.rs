@@ -64,7 +64,9 @@ fn what_is_wrong_with_a_table_is_named_and_its_correction_makes_surfaces_thinner
     assert!(!leads(&found).parameters.contains_key("range_bias.bias_m"));
 
     let repaired = corrected(&log, &found.lasers);
-    let [before, after] = [&log, &repaired].map(|log| Agreement::of(log).unwrap().thickness.unwrap());
+    let [first, then] = [&log, &repaired].map(|log| Agreement::of(log).unwrap());
+    assert!(then.off_planes_m.unwrap() < 0.9 * first.off_planes_m.unwrap(), "{first:?} {then:?}");
+    let [before, after] = [first, then].map(|it| it.thickness.unwrap());
     assert!(after.flat_m < 0.8 * before.flat_m && after.upright_m < 0.9 * before.upright_m, "{before:?} {after:?}");
     let again = diagnose(&variants(), &repaired).unwrap();
     assert!(!leads(&again).effects.contains(&"laser_origin_offsets".to_owned()), "{:?}", leads(&again));

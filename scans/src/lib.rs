@@ -23,7 +23,7 @@ pub use offsets::{Offsets, Slope, from_slopes, slopes};
 pub use pairs::{PairLag, pair_lags, pairs};
 pub use sensor::{Layout, Sensor};
 pub use signal::{Shaping, Signal};
-pub use thickness::{Thickness, thickness};
+pub use thickness::{Thickness, off_planes, thickness};
 
 /// Why a log's firings say nothing.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

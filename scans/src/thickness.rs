@@ -1,7 +1,10 @@
-//! How thick surfaces are in a scan: a measure of how well lasers agree that no calibration here is made by.
+//! How thick surfaces are in a scan, and how far the next one lies off them: measures of how well lasers agree that no calibration
+//! here is made by.
 
-use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
+
+use asami_math::rigid::Rigid;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::drive::{Drive, Scan};
 
@@ -30,16 +33,38 @@ pub fn thickness(drive: &Drive<'_>, scans: &[Scan], angles_rad: &[f64]) -> Optio
     let (mut flat, mut upright) = (Vec::new(), Vec::new());
     for scan in scans {
         for points in cubes(drive, scan, angles_rad).into_values() {
-            let Some((sd_m, up)) = plane(&points) else { continue };
-            if up > UPRIGHT.0 {
+            let Some(Plane { normal, sd_m, .. }) = plane(&points) else { continue };
+            if normal.z.abs() > UPRIGHT.0 {
                 flat.push(sd_m);
-            } else if up < UPRIGHT.1 {
+            } else if normal.z.abs() < UPRIGHT.1 {
                 upright.push(sd_m);
             }
         }
     }
     let median = |values: &[f64]| asami_math::statistics::median(values);
     Some(Thickness { flat_m: median(&flat)?, upright_m: median(&upright)? })
+}
+
+/// How far the points of a turn lie off the planes through an earlier one's, the sensor having moved by `motion` on the plane in between,
+/// seen from the earlier: the median distance. `None` where no plane is met.
+#[must_use]
+pub fn off_planes(drive: &Drive<'_>, [earlier, later]: [&Scan; 2], angles_rad: &[f64], motion: &Rigid) -> Option<f64> {
+    let planes: BTreeMap<[i32; 3], Plane> = cubes(drive, earlier, angles_rad)
+        .into_iter()
+        .filter_map(|(cube, points)| Some((cube, plane(&points)?)))
+        .collect();
+    let mut off_m = Vec::new();
+    drive.returns(later, angles_rad, f64::NEG_INFINITY, |_, _, [x, y, z]| {
+        let [x, y] = motion.apply([x, y]);
+        if let Some(Plane { mean, normal, .. }) = planes.get(&cube([x, y, z])) {
+            off_m.push((Vector3::new(x, y, z) - mean).dot(normal).abs());
+        }
+    });
+    asami_math::statistics::median(&off_m)
+}
+
+fn cube(point: [f64; 3]) -> [i32; 3] {
+    point.map(|it| (it / CUBE_M).floor() as i32)
 }
 
 /// Points with their lasers, by cube.
@@ -49,15 +74,23 @@ fn cubes(drive: &Drive<'_>, scan: &Scan, angles_rad: &[f64]) -> Cubes {
     let mut cubes = Cubes::new();
     drive.returns(scan, angles_rad, f64::NEG_INFINITY, |laser, _, point| {
         if point[0] * point[0] + point[1] * point[1] < FARTHEST_M * FARTHEST_M {
-            let cube = point.map(|it| (it / CUBE_M).floor() as i32);
-            cubes.entry(cube).or_default().push((laser, Vector3::from(point)));
+            cubes.entry(cube(point)).or_default().push((laser, Vector3::from(point)));
         }
     });
     cubes
 }
 
-/// Standard deviation across the plane through these points, and how upright its normal is.
-fn plane(points: &[(usize, Vector3<f64>)]) -> Option<(f64, f64)> {
+/// A plane through points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Plane {
+    mean: Vector3<f64>,
+    normal: Vector3<f64>,
+    /// Standard deviation across it.
+    sd_m: f64,
+}
+
+/// The plane through these points, if they are enough.
+fn plane(points: &[(usize, Vector3<f64>)]) -> Option<Plane> {
     // Points come laser by laser.
     let lasers = points.chunk_by(|a, b| a.0 == b.0).count();
     if points.len() < LEAST.0 || lasers < LEAST.1 {
@@ -69,7 +102,8 @@ fn plane(points: &[(usize, Vector3<f64>)]) -> Option<(f64, f64)> {
         |sum: Matrix3<f64>, (_, point): &(usize, Vector3<f64>)| sum + (point - mean) * (point - mean).transpose();
     let eigen = (points.iter().fold(Matrix3::zeros(), scatter) / n).symmetric_eigen();
     let least = eigen.eigenvalues.imin();
-    Some((eigen.eigenvalues[least].max(0.0).sqrt(), eigen.eigenvectors[(2, least)].abs()))
+    let sd_m = eigen.eigenvalues[least].max(0.0).sqrt();
+    Some(Plane { mean, normal: eigen.eigenvectors.column(least).into(), sd_m })
 }
 
 #[cfg(test)]
@@ -86,7 +120,8 @@ mod tests {
             (laser, along * (0.03 * f64::from(i)) + Vector3::y() * (0.1 * laser as f64) + normal * off)
         };
         let points: Vec<_> = (0..4).flat_map(|laser| (0..8).map(move |i| point(laser, i))).collect();
-        let (sd_m, up) = plane(&points).unwrap();
+        let Plane { normal, sd_m, .. } = plane(&points).unwrap();
+        let up = normal.z.abs();
         assert!((sd_m - 0.02).abs() < 1e-9 && (up - 0.8).abs() < 1e-9, "{sd_m} {up}");
         assert_eq!(plane(&points[..16]), None);
         assert_eq!(plane(&points[..8]), None);

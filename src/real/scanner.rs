@@ -17,6 +17,8 @@ pub struct Measures {
     pub flat_m: f64,
     /// And of what stands upright.
     pub upright_m: f64,
+    /// Scan matching's residual: how far a turn lies off the planes of the one before, in the median.
+    pub off_planes_m: f64,
     /// Root mean square error of the speed against the truth.
     pub speed_m_per_s: f64,
     /// And of the turning rate.
@@ -50,8 +52,8 @@ pub fn checked(log: &Log, lasers: &[Laser], truth: &[TruePose]) -> Option<Checke
 }
 
 fn measures(log: &Log, truth: &[TruePose]) -> Option<Measures> {
-    let Agreement { thickness, steps } = Agreement::of(log).ok()?;
-    let thickness = thickness?;
+    let Agreement { thickness, off_planes_m, steps } = Agreement::of(log).ok()?;
+    let (thickness, off_planes_m) = (thickness?, off_planes_m?);
     let off = steps.iter().filter_map(|step| {
         let [from, to] = [pose(truth, step.t_s)?, pose(truth, step.t_s + step.dt_s)?];
         let (x, y) = (to[0] - from[0], to[1] - from[1]);
@@ -61,7 +63,8 @@ fn measures(log: &Log, truth: &[TruePose]) -> Option<Measures> {
     let off: Vec<[f64; 2]> = off.collect();
     let rms = |k: usize| (off.iter().fold(0.0, |sum, it| sum + it[k] * it[k]) / off.len().max(1) as f64).sqrt();
     let (speed_m_per_s, turning_rad_per_s) = (rms(0), rms(1));
-    Some(Measures { flat_m: thickness.flat_m, upright_m: thickness.upright_m, speed_m_per_s, turning_rad_per_s })
+    let (flat_m, upright_m) = (thickness.flat_m, thickness.upright_m);
+    Some(Measures { flat_m, upright_m, off_planes_m, speed_m_per_s, turning_rad_per_s })
 }
 
 /// Where the car truly was, between poses of its track; `None` outside of it.
@@ -84,6 +87,8 @@ pub fn table(results: &Results) -> Option<Table> {
         "after",
         "upright, before (mm)",
         "after",
+        "matching, before (mm)",
+        "after",
         "speed, before (m/s)",
         "after",
         "turning, before (rad/s)",
@@ -91,7 +96,7 @@ pub fn table(results: &Results) -> Option<Table> {
     ];
     let mut table = Table::new("Real scanners' tables, corrected", &heads).caption(
         "How thick surfaces are (the median over cubes of half a metre of the standard deviation across the plane through a turn's \
-         points), and how far matching scan to scan errs against inertial navigation, with the lasers' table as their maker has it, \
+         points), how far a turn lies off the planes of the one before (scan matching's residual, in the median), and how far matching errs against inertial navigation, with the lasers' table as their maker has it, \
          and corrected by what was found. Nothing was made best by either measure; what is found in one half is checked on the other.",
     );
     let mut any = false;
@@ -99,8 +104,8 @@ pub fn table(results: &Results) -> Option<Table> {
         let mut cells: Vec<Cell> =
             vec![record.log.clone().into(), words(record.part).into(), words(on(record.part)).into()];
         let shown = |it: &Measures| {
-            let [flat, upright] = [it.flat_m, it.upright_m].map(|thick_m| Cell::number(1e3 * thick_m, 1));
-            [flat, upright, Cell::number(it.speed_m_per_s, 3), Cell::number(it.turning_rad_per_s, 4)]
+            let [flat, upright, off] = [it.flat_m, it.upright_m, it.off_planes_m].map(|m| Cell::number(1e3 * m, 1));
+            [flat, upright, off, Cell::number(it.speed_m_per_s, 3), Cell::number(it.turning_rad_per_s, 4)]
         };
         let pairs = shown(&checked.before).into_iter().zip(shown(&checked.after));
         cells.extend(pairs.flat_map(|(before, after)| [before, after]));

@@ -104,6 +104,7 @@ fn what_the_real_scanners_table_lacks_is_found_in_either_half() {
         let checked = asami::real::scanner::checked(other, &found.lasers, &dataset.truth.track).unwrap();
         let (before, after) = (checked.before, checked.after);
         assert!(after.flat_m < 0.8 * before.flat_m && after.upright_m < 0.9 * before.upright_m, "{checked:?}");
+        assert!(after.off_planes_m < before.off_planes_m, "{checked:?}");
         assert!(after.speed_m_per_s < 1.05 * before.speed_m_per_s, "{checked:?}");
     }
 }
