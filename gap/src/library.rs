@@ -144,7 +144,7 @@ pub enum Responses {
     Landmarks(Box<Library>),
     /// Of a car with a laser scanner.
     Drives(Box<Drives>),
-    /// Of nothing: a real scanner is held against the table of its own lasers ([`crate::real::scanner`]).
+    /// Of nothing: a real scanner is held against the table of its own lasers.
     Unplayed,
 }
 

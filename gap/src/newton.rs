@@ -45,8 +45,7 @@ impl Curvature {
     pub fn variances_by_block(&self, scores: &[Vec<f64>], block: &[usize]) -> Vec<f64> {
         let blocks = block.iter().max().map_or(0, |last| last + 1);
         let of = |i: usize| {
-            let unit: Vec<f64> = (0..scores.len()).map(|j| if i == j { 1.0 } else { 0.0 }).collect();
-            let along = cholesky_solve(&self.l, &unit);
+            let along = self.inverse(i);
             let mut sums = vec![0.0; blocks];
             for (step, b) in block.iter().enumerate() {
                 sums[*b] += along.iter().zip(scores).fold(0.0, |sum, (share, score)| sum + share * score[step]);
@@ -62,9 +61,13 @@ impl Curvature {
     /// Variances of what is found.
     #[must_use]
     pub fn variances(&self) -> Vec<f64> {
-        let p = self.l.len();
-        let unit = |i: usize| (0..p).map(|j| if i == j { 1.0 } else { 0.0 }).collect::<Vec<f64>>();
-        (0..p).map(|i| cholesky_solve(&self.l, &unit(i))[i]).collect()
+        (0..self.l.len()).map(|i| self.inverse(i)[i]).collect()
+    }
+
+    /// A row of its inverse.
+    fn inverse(&self, i: usize) -> Vec<f64> {
+        let unit: Vec<f64> = (0..self.l.len()).map(|j| if i == j { 1.0 } else { 0.0 }).collect();
+        cholesky_solve(&self.l, &unit)
     }
 }
 

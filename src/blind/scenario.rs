@@ -102,6 +102,8 @@ pub enum Measure {
     NoneCalledElse,
     /// Share of the answers with a probability of 0.9 and more that are wrong.
     ConfidentWrong,
+    /// Share of all the cases that are given a wrong name with a probability of 0.9 and more: neither *none* nor *unknown* is a name.
+    ConfidentlyMisnamed,
     /// Share of the cases called *unknown*.
     Unknown,
     /// Share of the planted cases whose place is right.

@@ -188,6 +188,7 @@ fn verdict(results: &Results, expect: &Expect) -> Verdict {
 fn head(measure: Measure) -> &'static str {
     match measure {
         Measure::NoneCalledElse => "no effect called anything else",
+        Measure::ConfidentlyMisnamed => "given a wrong name with P >= 0.9",
         Measure::ClosedLow => "10th percentile of closed / oracle's",
         Measure::CalibrationError => "calibration error",
         other => MEASURED.iter().find(|(it, _, _)| *it == other).map_or("", |(_, head, _)| *head),

@@ -166,6 +166,12 @@ pub fn measure(measure: Measure, cases: &[Asked<'_>]) -> Measured {
             let confident = all().filter(|asked| asked.answer.probability >= CONFIDENT);
             Share::over(confident.map(|asked| !asked.answer.named_right)).into()
         }
+        Measure::ConfidentlyMisnamed => {
+            let named =
+                |answer: &Answer| answer.named != [NONE] && answer.named != [UNKNOWN] && !answer.named.is_empty();
+            let misnamed = |answer: &Answer| named(answer) && answer.probability >= CONFIDENT && !answer.named_right;
+            Share::over(all().map(|asked| misnamed(asked.answer))).into()
+        }
         Measure::Unknown => Share::over(all().map(|asked| asked.answer.named == [UNKNOWN])).into(),
         Measure::PlaceRight => Share::over(planted().map(|asked| asked.answer.place_right == Some(true))).into(),
         Measure::ParameterError => {

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::scenario::{Learning, Source};
 use super::walk::{Part, Record};
 use crate::diagnose::Ready;
+use crate::diagnose::progress::Listener;
 use crate::diagnose::repaired::{cause, repaired};
 use crate::scenario::{self, Origin, Recording, Scenario, Simulation};
 use crate::sweep::manifest::repository;
@@ -81,6 +82,7 @@ pub fn lessons(
     records: &[Record],
     ready: &Ready,
     options: &Options,
+    listener: &dyn Listener,
 ) -> Result<Vec<Lesson>, miette::Report> {
     let Some(name) = &source.learned_in else { return Ok(Vec::new()) };
     let mut scenario = scenario::read(&repository().join("scenarios").join(format!("{name}.toml")))?;
@@ -93,6 +95,7 @@ pub fn lessons(
     let recording = recording.clone();
     let learn = |world: World, seed: Option<u64>, recorded: Recorded| {
         let folder = seed.map_or_else(|| world.name().to_owned(), |seed| format!("{}-{seed}", world.name()));
+        listener.says(&format!("learning from {}: {folder}", source.name));
         let out = options.out.join("learning").join(&source.name).join(folder);
         let plan = Plan { scenario: scenario.clone(), source: Box::new(recorded), learners: configured(&scenario)? };
         let results = sweep::run::<InPlane>(&plan, &Options { out, ..options.clone() }, &Silent);

@@ -159,9 +159,8 @@ pub fn run(
     let mut all = Vec::new();
     for source in &real.asked.logs {
         if let Some(learning) = real.asked.learning.as_ref().filter(|_| source.learned_in.is_some()) {
-            listener.says(&format!("learning from {} and from simulated logs in its place", source.name));
             let ready = &worlds[source.nominal.as_str()];
-            all.extend(lessons(learning, source, &place(source, data), &records, ready, options)?);
+            all.extend(lessons(learning, source, &place(source, data), &records, ready, options, listener)?);
         }
     }
     Ok(Results { real: real.clone(), records, lessons: all })

@@ -265,6 +265,7 @@ fn counts_are_those_of_the_cases() {
     assert_eq!(share(Measure::NoneCalledElse), Share { count: 1, of: 2 });
     assert_eq!(share(Measure::TopGroupRight), Share { count: 4, of: 6 });
     assert_eq!(share(Measure::ConfidentWrong), Share { count: 1, of: 4 });
+    assert_eq!(share(Measure::ConfidentlyMisnamed), Share { count: 1, of: 8 });
     assert_eq!(share(Measure::Unknown), Share { count: 1, of: 8 });
     assert_eq!(measure(Measure::SetSize, &all).value, Some(2.0));
     // 0.95 thrice right of four, 0.85 twice of two, 0.55 and 0.45 never.

@@ -23,7 +23,7 @@ const UNITS: [f64; NUMBERS] = [1e-6, 4e-4, 0.01, 0.03, 0.02, 0.02];
 const LOUDER: [f64; 2] = [-0.7, 1.5];
 
 /// What is measured, in the order of [`super::seen::What::kind`].
-const MEASURED: [&str; 3] = ["road laser by laser", "walls laser by laser", "sides laser by laser"];
+const MEASURED: [&str; 3] = ["road_m", "walls_m", "sides_m"];
 
 /// A log that tells how likely it is under a table of the lasers.
 pub struct Table {

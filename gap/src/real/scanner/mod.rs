@@ -25,7 +25,7 @@ use super::layers::Layer;
 use super::layers::{Least, layers, planted, reconsidered};
 use crate::diagnosis::Diagnosis;
 use crate::judge::Judge;
-use crate::plant::{Planted, Variant};
+use crate::plant::Variant;
 use crate::view::CannotSee;
 use judge::Table;
 use lasers::Laser;
@@ -80,14 +80,6 @@ fn shown(mut diagnosis: Diagnosis, variants: &[Variant]) -> Diagnosis {
     };
     diagnosis.smallest_visible = diagnosis.smallest_visible.into_iter().map(named).collect();
     diagnosis
-}
-
-/// The lasers of a log, as far as these effects let them be off.
-///
-/// # Errors
-/// [`CannotSee`] says what the log lacks.
-pub fn lasers(log: &Log, planted: &[Planted]) -> Result<Vec<Laser>, CannotSee> {
-    Ok(Table::new(Seen::read(log)?).lasers(planted))
 }
 
 /// A log as the scanner would have recorded it, were its table right: vertical angles and places corrected in what is known, ranges
