@@ -37,9 +37,9 @@ fn every_shipped_scenario_is_read_and_expects_something() {
         if stem.starts_with("blind_") {
             continue;
         }
-        if stem == "real" {
+        if stem.starts_with("real") {
             let real = real::scenario::read(&path).unwrap_or_else(|bad| panic!("{}", shown(&bad)));
-            assert!(real.is_some_and(|real| real.asked.logs.len() > 2), "{stem}");
+            assert!(real.is_some_and(|real| !real.asked.logs.is_empty()), "{stem}");
             continue;
         }
         match scenario::read(&path) {
