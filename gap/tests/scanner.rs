@@ -68,6 +68,9 @@ fn what_is_wrong_with_a_table_is_named_and_its_correction_makes_surfaces_thinner
     assert!(then.off_planes_m.unwrap() < 0.9 * first.off_planes_m.unwrap(), "{first:?} {then:?}");
     let [before, after] = [first, then].map(|it| it.thickness.unwrap());
     assert!(after.flat_m < 0.8 * before.flat_m && after.upright_m < 0.9 * before.upright_m, "{before:?} {after:?}");
+    let places = |log: &Log| log.known.velodyne.as_ref().unwrap().left_m.clone();
+    let twice: Vec<f64> = places(&repaired).iter().map(|left_m| 2.0 * left_m).collect();
+    assert_eq!(places(&corrected(&repaired, &found.lasers)), twice, "what is corrected again is corrected on top");
     let again = diagnose(&variants(), &repaired).unwrap();
     assert!(!leads(&again).effects.contains(&"laser_origin_offsets".to_owned()), "{:?}", leads(&again));
     if let Some(left) = leads(&again).parameters.get("range_bias.spread_m") {

@@ -148,13 +148,9 @@ impl Ready {
             let shelf = Shelf { folder: asked.libraries.clone(), budget, listener };
             shelf.library(&held.name, &held.simulation, &variants)?
         };
-        let suits = match (asked.real, held.simulation.robot.name()) {
-            // Its noise is none of theirs.
-            (true, _) => 0,
-            (false, "plain") => CASES,
-            (false, _) => CASES_IN_RAPIER,
-        };
-        let cases = asked.calibrate.unwrap_or(suits);
+        let suits = if held.simulation.robot == Robot::Plain { CASES } else { CASES_IN_RAPIER };
+        // Of a real robot: its noise is none of theirs.
+        let cases = if asked.real { 0 } else { asked.calibrate.unwrap_or(suits) };
         let cases = shelved.cases(&held.simulation, length_s(log), cases, listener)?;
         let cases = less(&cases, &asked.without);
         let calibration = if cases.len() < LEAST_CASES {

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::walk::{Part, Record, Results};
 use crate::report::{Cell, RowKind, Table};
+use crate::scorer::car::moved;
 
 /// A scanner's measures with one table.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,36 +45,27 @@ pub fn on(part: Part) -> Part {
     }
 }
 
-/// Both measures of a log; `None` where nothing was found, or its scans say nothing.
+/// A log's measures before and after; `None` where nothing was found, or its scans say nothing.
 #[must_use]
 pub fn checked(log: &Log, lasers: &[Laser], truth: &[TruePose]) -> Option<Checked> {
-    let [before, after] = [measures(log, truth)?, measures(&corrected(log, lasers), truth)?];
-    (!lasers.is_empty()).then_some(Checked { before, after })
+    if lasers.is_empty() {
+        return None;
+    }
+    Some(Checked { before: measures(log, truth)?, after: measures(&corrected(log, lasers), truth)? })
 }
 
 fn measures(log: &Log, truth: &[TruePose]) -> Option<Measures> {
     let Agreement { thickness, off_planes_m, steps } = Agreement::of(log).ok()?;
     let (thickness, off_planes_m) = (thickness?, off_planes_m?);
     let off = steps.iter().filter_map(|step| {
-        let [from, to] = [pose(truth, step.t_s)?, pose(truth, step.t_s + step.dt_s)?];
-        let (x, y) = (to[0] - from[0], to[1] - from[1]);
-        let (v, omega) = ((x * x + y * y).sqrt() / step.dt_s, (to[2] - from[2]) / step.dt_s);
-        Some([step.v_m_per_s - v, step.omega_rad_per_s - omega])
+        let [v_m_per_s, omega_rad_per_s] = moved(truth, step.t_s, step.dt_s)?;
+        Some([step.v_m_per_s - v_m_per_s, step.omega_rad_per_s - omega_rad_per_s])
     });
     let off: Vec<[f64; 2]> = off.collect();
     let rms = |k: usize| (off.iter().fold(0.0, |sum, it| sum + it[k] * it[k]) / off.len().max(1) as f64).sqrt();
     let (speed_m_per_s, turning_rad_per_s) = (rms(0), rms(1));
     let (flat_m, upright_m) = (thickness.flat_m, thickness.upright_m);
     Some(Measures { flat_m, upright_m, off_planes_m, speed_m_per_s, turning_rad_per_s })
-}
-
-/// Where the car truly was, between poses of its track; `None` outside of it.
-fn pose(truth: &[TruePose], t_s: f64) -> Option<[f64; 3]> {
-    let after = truth.partition_point(|pose| pose.t_s < t_s).max(1);
-    let (a, b) = (truth.get(after - 1)?, truth.get(after)?);
-    let share = (t_s - a.t_s) / (b.t_s - a.t_s);
-    let between = |a: f64, b: f64| a + share * (b - a);
-    Some([between(a.x_m, b.x_m), between(a.y_m, b.y_m), between(a.theta_rad, b.theta_rad)])
 }
 
 /// One row for each part of each scanner's log.
@@ -96,8 +88,9 @@ pub fn table(results: &Results) -> Option<Table> {
     ];
     let mut table = Table::new("Real scanners' tables, corrected", &heads).caption(
         "How thick surfaces are (the median over cubes of half a metre of the standard deviation across the plane through a turn's \
-         points), how far a turn lies off the planes of the one before (scan matching's residual, in the median), and how far matching errs against inertial navigation, with the lasers' table as their maker has it, \
-         and corrected by what was found. Nothing was made best by either measure; what is found in one half is checked on the other.",
+         points), how far a turn lies off the planes of the one before (scan matching's residual, in the median), and how far \
+         matching errs against inertial navigation, with the lasers' table as their maker has it, and corrected by what was found. \
+         Nothing was made best by any of these; what is found in one half is checked on the other.",
     );
     let mut any = false;
     for (record, checked) in results.records.iter().filter_map(|it: &Record| Some((it, it.checked?))) {

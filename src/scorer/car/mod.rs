@@ -239,7 +239,8 @@ fn coefficients(action: &ActionModel) -> Option<(Coefficients, f64)> {
 }
 
 /// Mean forward speed and turning rate from `t_s` on, as the average heading of the time sees them.
-fn moved(track: &[TruePose], t_s: f64, dt_s: f64) -> Option<[f64; 2]> {
+#[must_use]
+pub fn moved(track: &[TruePose], t_s: f64, dt_s: f64) -> Option<[f64; 2]> {
     let (a, b) = (pose_at(track, t_s)?, pose_at(track, t_s + dt_s)?);
     let turn_rad = wrap_rad(b.theta_rad - a.theta_rad);
     let (sin, cos) = sin_cos(a.theta_rad + 0.5 * turn_rad);

@@ -21,8 +21,7 @@ use asami_dataset::log::Velodyne;
 use asami_dataset::{Firings, Known, Log};
 
 use super::assembled;
-use super::layers::Layer;
-use super::layers::{Least, layers, planted, reconsidered};
+use super::layers::{Layer, Least, layers, planted, reconsidered};
 use crate::diagnosis::Diagnosis;
 use crate::judge::Judge;
 use crate::plant::Variant;
@@ -100,11 +99,15 @@ pub fn corrected(log: &Log, lasers: &[Laser]) -> Log {
         };
         ranges.iter().map(shift).collect()
     };
-    let angles = known.vertical_angles_rad.iter().zip(lasers);
+    // What was known of places is kept: lasers are off by so much more.
+    let added = |known: &[f64], more: fn(&Laser) -> f64| {
+        let so_far = known.iter().copied().chain(std::iter::repeat(0.0));
+        lasers.iter().zip(so_far).map(|(laser, known)| known + more(laser)).collect()
+    };
     let velodyne = Velodyne {
-        vertical_angles_rad: angles.map(|(angle, laser)| angle + laser.vertical_rad).collect(),
-        left_m: lasers.iter().map(|laser| laser.left_m).collect(),
-        up_m: lasers.iter().map(|laser| laser.up_m).collect(),
+        vertical_angles_rad: added(&known.vertical_angles_rad, |laser| laser.vertical_rad),
+        left_m: added(&known.left_m, |laser| laser.left_m),
+        up_m: added(&known.up_m, |laser| laser.up_m),
         ..known.clone()
     };
     let range_2mm = firings.range_2mm.iter().zip(lasers).map(range).collect();
