@@ -43,6 +43,20 @@ pub enum ShowsNothing {
         /// Least number of sightings.
         least: usize,
     },
+    /// Too short, as far as it is looked at.
+    #[error(
+        "the log has {rows} rows of one kind; since each of some thousand hypotheses filters all that is looked at, that is the          first {most}, which last {found_s:.1} s: less than {least_s} s shows nothing. Leave rows out, or give a log with fewer a second"
+    )]
+    TooDense {
+        /// Rows of the file with the most of them.
+        rows: usize,
+        /// As many are looked at.
+        most: usize,
+        /// How long they last.
+        found_s: f64,
+        /// Least length.
+        least_s: f64,
+    },
     /// A drive that jumps ahead by more than any lasts.
     #[error(
         "the log has nothing between {from_s:.1} s and {to_s:.1} s: more than {most_s} s is no gap but another log"
@@ -55,6 +69,21 @@ pub enum ShowsNothing {
         /// The longest gap.
         most_s: f64,
     },
+}
+
+impl ShowsNothing {
+    /// The same, said of the whole log where only its density made it too short.
+    fn of(self, log: &Log) -> Self {
+        let frames = log.frames.as_ref().map_or(0, |frames| frames.len());
+        let rows = log.commands.len().max(log.sightings.len()).max(frames);
+        let lasts_s = log.span_s().map_or(0.0, |(first_s, last_s)| last_s - first_s);
+        match self {
+            Self::TooShort { found_s, least_s, .. } if rows > MOST_ROWS && found_s < least_s && lasts_s >= least_s => {
+                Self::TooDense { rows, most: MOST_ROWS, found_s, least_s }
+            }
+            _ => self,
+        }
+    }
 }
 
 /// Less than this is less than the filter takes to settle and to be scored at all.
@@ -112,7 +141,7 @@ pub fn limits(log: &Log) -> Result<Limited, ShowsNothing> {
              looked at: what happens elsewhere does not show"
         ));
     }
-    notes.extend(lacks(&part)?);
+    notes.extend(lacks(&part).map_err(|error| error.of(log))?);
     Ok(Limited { log: from_zero(part, began_s), notes })
 }
 
@@ -254,6 +283,17 @@ mod tests {
         assert!(matches!(limits(&log(0.0, None, [0.1; 2])), Err(ShowsNothing::TooShort { sightings: 0, .. })));
         let early = Log { sightings: whole.sightings.window(&(0.0..5.0)), ..whole };
         assert!(matches!(limits(&early), Err(ShowsNothing::TooShort { sightings: 0, .. })));
+    }
+
+    #[test]
+    fn a_log_of_too_many_rows_is_said_to_have_them() {
+        let log = log(60.0, None, [0.1, 0.2]);
+        let dense: Vec<Sighting> = (0..900_000)
+            .map(|i| Sighting { t_s: 60.0 * f64::from(i) / 900_000.0, ..*log.sightings.first().unwrap() })
+            .collect();
+        let dense = limits(&Log { sightings: dense.into(), ..log }).unwrap_err();
+        assert!(matches!(dense, ShowsNothing::TooDense { rows: 900_000, found_s, .. } if found_s < 7.0), "{dense}");
+        assert!(dense.to_string().contains("Leave rows out"), "{dense}");
     }
 
     #[test]

@@ -4,22 +4,26 @@ use asami_dataset::{Action, Channel as Rows, Command, Log};
 use asami_sim::effects::Effects;
 use rayon::prelude::*;
 
+use super::between::{self, CLOCK_STEP_S, Rows as Differ};
 use super::flexible::{Flexible, columns};
-use super::library::{Drives, Shows, scanned, with};
+use super::library::{Base, Drives, Shows, scanned, with};
 use super::memory::Memory;
 use super::motion::Step;
 use super::road::{Left, left};
 use super::scanner::{COUNT, STATISTICS, Segment};
 use crate::directions::Direction;
 use crate::judge::{Channel, Innovation, Judge, Moment, Reading, Regime};
+use crate::nominal::CannotPlay;
 use crate::plant::{Planted, Variant};
 use crate::sizes::{spaced, straight};
 use crate::view::CannotSee;
 
 /// Nothing is scored before the played car goes as the log's did.
 const SETTLING_S: f64 = 5.0;
-/// Sizes at which a log's commands are played, of each kind of effect.
+/// Most sizes at which a log's commands are played, of each kind of effect.
 const SIZES: usize = 4;
+/// A size that adds less to what a straight line from none to the next greater one says, in nats, is the last.
+const STRAIGHT_NATS: f64 = 0.1;
 /// Fewer steps say nothing.
 const LEAST_STEPS: usize = 20;
 
@@ -32,6 +36,38 @@ pub(super) struct Played {
     change: Vec<Vec<Left>>,
 }
 
+impl Played {
+    /// Plays one kind of effect from its greatest size down, for as long as smaller ones are not in proportion.
+    fn new(
+        variant: &Variant,
+        base: &Base,
+        steps: &[Step],
+        change: &dyn Fn(f64) -> Result<Vec<Left>, CannotPlay>,
+    ) -> Result<Self, CannotPlay> {
+        let mut played = Self { kind: variant.name(), sizes: Vec::new(), change: Vec::new() };
+        for size in spaced(variant, SIZES).into_iter().rev() {
+            let change = change(size)?;
+            let above = played.sizes.first().zip(played.change.first());
+            let bent = above.map(|(its, above)| bent_nats(base, steps, &change, above, size / its));
+            played.sizes.insert(0, size);
+            played.change.insert(0, change);
+            if bent.is_some_and(|nats| nats < STRAIGHT_NATS) {
+                break;
+            }
+        }
+        Ok(played)
+    }
+}
+
+/// How far a change is off a share of another one.
+fn bent_nats(base: &Base, steps: &[Step], change: &[Left], other: &[Left], share: f64) -> f64 {
+    let of = |(step, (a, b)): (&Step, (&Left, &Left))| {
+        let off = |axis: usize| (a[axis] - share * b[axis]) / base.memory[axis].spread_of(step);
+        0.5 * (off(0) * off(0) + off(1) * off(1))
+    };
+    steps.iter().zip(change.iter().zip(other)).map(of).fold(0.0, |sum, it| sum + it)
+}
+
 /// A log, read: its motion, what is left of it, its statistics.
 #[derive(Debug)]
 pub struct Read {
@@ -41,6 +77,8 @@ pub struct Read {
     left: Vec<Left>,
     played: Vec<Played>,
     flexible: Vec<Flexible>,
+    /// In what drives differ.
+    differ: Differ,
     segments: Vec<Segment>,
     /// The step in which each segment is scored.
     scored_in: Vec<usize>,
@@ -82,40 +120,31 @@ impl Read {
         }
         let play =
             |effects: &Effects, ahead_s: f64| left(&base.car, effects, &log.commands, &steps, base.ahead_s + ahead_s);
-        let cannot = |error: crate::nominal::CannotPlay| CannotSee::Play(error);
+        let cannot = |error: CannotPlay| CannotSee::Play(error);
         let nominal = play(&base.effects, 0.0).map_err(cannot)?;
         let all = Variant::all("car", 0, &[]);
-        let kinds: Vec<(&Variant, Vec<f64>)> = all
+        let kinds: Vec<&Variant> = all
             .iter()
             .filter(|variant| library.kinds().contains_key(variant.name().as_str()))
             .filter(|variant| Shows::of(&with(&base.effects, variant, variant.sizes().1), variant.place()).in_motion)
-            .map(|variant| (variant, spaced(variant, SIZES)))
             .collect();
-        let each: Vec<(&Variant, f64)> =
-            kinds.iter().flat_map(|(variant, sizes)| sizes.iter().map(|size| (*variant, *size))).collect();
-        let change = |(variant, size): &(&Variant, f64)| {
-            let effects = with(&base.effects, variant, *size);
+        let change = |variant: &Variant, size: f64| -> Result<Vec<Left>, CannotPlay> {
+            let effects = with(&base.effects, variant, size);
             let left = play(&effects, Shows::of(&effects, variant.place()).ahead_s)?;
             Ok(left.iter().zip(&nominal).map(|(with, without)| [with[0] - without[0], with[1] - without[1]]).collect())
         };
-        let mut changes = each
+        let played = kinds
             .par_iter()
             .with_max_len(1)
-            .map(change)
-            .collect::<Result<Vec<Vec<Left>>, crate::nominal::CannotPlay>>()
-            .map_err(cannot)?
-            .into_iter();
-        let played = kinds
-            .into_iter()
-            .map(|(variant, sizes)| Played {
-                kind: variant.name(),
-                change: changes.by_ref().take(sizes.len()).collect(),
-                sizes,
-            })
-            .collect();
+            .map(|variant| Played::new(variant, base, &steps, &|size| change(variant, size)))
+            .collect::<Result<_, CannotPlay>>()
+            .map_err(cannot)?;
+        let later = play(&base.effects, CLOCK_STEP_S).map_err(cannot)?;
+        let ways = between::columns(&steps, &log.commands, &nominal, &later);
         let in_step =
             |segment: &Segment| steps.partition_point(|step| step.t_s < segment.t_s).clamp(first + 1, steps.len()) - 1;
         Ok(Self {
+            differ: base.between.rows(&base.memory, &steps, &ways),
             commands: log.commands.clone(),
             flexible: columns(&steps, &log.commands),
             scored_in: segments.iter().map(in_step).collect(),
@@ -232,11 +261,14 @@ impl Judge for Driven<'_> {
         let law = &self.library.base.law;
         let said = law.read(&read.segments, &numbers[layout.moved()..], &numbers[layout.further()..]);
         let mut reading = Reading::default();
+        let base = &self.library.base;
+        let mut weights = base.between.unknown();
         for i in read.first..read.steps.len() {
             let (mut log_likelihood, mut expected) = (0.0, 0.0);
             for (axis, left) in left.iter().enumerate() {
                 let louder = numbers[layout.louder() + axis];
-                let fresh = self.library.base.memory[axis].fresh(&read.steps, left, i, louder);
+                let memory = &base.memory[axis];
+                let fresh = weights.fresh(&read.differ, axis, memory, &read.steps, left, i, louder);
                 log_likelihood += fresh.log_likelihood;
                 expected += fresh.expected;
                 reading.innovations.push(Innovation {

@@ -15,6 +15,7 @@ use asami_sim::robots::car::CarConfig;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::between::{Between, CLOCK_STEP_S, Column, Nominally, apart_s, columns, scatter};
 use super::driven::{Driven, Read};
 use super::law::{Law, plain_mean};
 use super::memory::Memory;
@@ -40,6 +41,8 @@ pub struct Base {
     pub ahead_s: f64,
     /// How what is left of speed and turning rate scatters.
     pub memory: [Memory; 2],
+    /// What drives differ in.
+    pub between: Between,
     /// How the scanner's statistics do.
     pub law: Law,
     /// The statistics of the first drives, by segment: what effects are held against.
@@ -77,6 +80,8 @@ struct Lately(Mutex<Vec<(Arc<Firings>, Arc<Read>)>>);
 /// Nominal drives last so many times as long as those with effects: the first corner comes late.
 const LONGER: f64 = 2.0;
 
+/// So often the clocks are set by what is left.
+const CLOCK_ROUNDS: usize = 3;
 /// As many.
 const LATELY: usize = 4;
 
@@ -95,24 +100,10 @@ struct Drive {
 }
 
 impl Drive {
-    fn of(run: &Dataset, car: &CarConfig, effects: &Effects) -> Result<Self, CannotLearn> {
+    fn of(run: &Dataset) -> Result<Self, CannotLearn> {
         let (moved, segments) = scanned(&run.log)?;
-        let left = left(car, effects, &run.log.commands, &moved.steps, 0.0)?;
-        Ok(Self { commands: run.log.commands.clone(), steps: moved.steps, left, segments })
+        Ok(Self { commands: run.log.commands.clone(), steps: moved.steps, left: Vec::new(), segments })
     }
-}
-
-/// How late motions are by what is left of speeds: the step by which an acceleration comes too late leaves so much less.
-fn late_s(drives: &[Drive]) -> f64 {
-    let (mut products, mut squares) = (0.0, 1e-9);
-    for drive in drives {
-        for (three, left) in drive.steps.windows(3).zip(&drive.left[1..]) {
-            let gain = (three[2].v_m_per_s - three[0].v_m_per_s) / (three[2].t_s - three[0].t_s);
-            products += left[0].clamp(-0.1, 0.1) * gain;
-            squares += gain * gain;
-        }
-    }
-    -products / squares
 }
 
 /// A log's motion and statistics.
@@ -122,6 +113,23 @@ pub(super) fn scanned(log: &Log) -> Result<(Moved<'_>, Vec<Segment>), CannotFoll
         log.known.velodyne.as_ref().map_or((10.0, 2.0), |unit| (unit.turn_rate_hz, unit.sensor_height_m));
     let segments = segments(&moved, turn_rate_hz, height_m);
     Ok((moved, segments))
+}
+
+/// What the drives leave with the scanner's clock so far ahead, and the ways in which it may be off.
+fn nominally<'a>(
+    car: &CarConfig,
+    effects: &Effects,
+    drives: &'a mut [Drive],
+    ahead_s: f64,
+) -> Result<Vec<Nominally<'a>>, CannotPlay> {
+    let columns = drives.par_iter_mut().with_max_len(1).map(|it| {
+        it.left = left(car, effects, &it.commands, &it.steps, ahead_s)?;
+        let later = left(car, effects, &it.commands, &it.steps, ahead_s + CLOCK_STEP_S)?;
+        Ok(columns(&it.steps, &it.commands, &it.left, &later))
+    });
+    let columns: Vec<Vec<Column>> = columns.collect::<Result<_, CannotPlay>>()?;
+    let all = drives.iter().zip(columns);
+    Ok(all.map(|(it, columns)| Nominally { steps: &it.steps, left: &it.left, columns }).collect())
 }
 
 impl Base {
@@ -136,7 +144,7 @@ impl Base {
         let drive = |i: u64| -> Result<Option<Drive>, CannotLearn> {
             let run = play(nominal, &[], Seed(FIRST_SEED + i), LONGER * budget.run_s)?;
             // A drive that stands at a stop line all the time says nothing.
-            Ok(Drive::of(&run, car, effects).ok())
+            Ok(Drive::of(&run).ok())
         };
         let drives: Vec<Option<Drive>> =
             seeds.into_par_iter().with_max_len(1).map(drive).collect::<Result<_, CannotLearn>>()?;
@@ -150,19 +158,12 @@ impl Base {
             return Err(CannotLearn::Blind);
         }
         let mut ahead_s = 0.0;
-        for _ in 0..2 {
-            ahead_s += late_s(&drives);
-            drives.par_iter_mut().with_max_len(1).try_for_each(|it| {
-                it.left = left(car, effects, &it.commands, &it.steps, ahead_s)?;
-                Ok::<(), CannotPlay>(())
-            })?;
+        for _ in 0..CLOCK_ROUNDS {
+            ahead_s -= apart_s(&nominally(car, effects, &mut drives, ahead_s)?);
         }
-        let of_axis = |axis: usize| -> Vec<(&[Step], Vec<f64>)> {
-            drives.iter().map(|it| (&it.steps[..], it.left.iter().map(|left| left[axis]).collect())).collect()
-        };
-        let memory = [0, 1].map(|axis| Memory::learn(&of_axis(axis)));
+        let (memory, between) = scatter(&nominally(car, effects, &mut drives, ahead_s)?);
         let law = Law::learn(&drives.into_iter().map(|it| it.segments).collect::<Vec<_>>());
-        Ok(Self { car: car.clone(), effects: effects.clone(), ahead_s, memory, law, first })
+        Ok(Self { car: car.clone(), effects: effects.clone(), ahead_s, memory, between, law, first })
     }
 }
 

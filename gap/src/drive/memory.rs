@@ -11,6 +11,8 @@ use super::motion::Step;
 const ORDER: usize = 3;
 /// Standing, under way, turning: each scatters in its own way.
 const CLASSES: usize = 3;
+/// The first of them.
+const STANDING: usize = 0;
 /// Share of steps that are something else: a gear changed elsewhere, scans that were matched to something else.
 pub(super) const ASTRAY: f64 = 0.02;
 /// How much farther those scatter.
@@ -51,7 +53,7 @@ pub struct Fresh {
 /// The class of a step.
 fn class(step: &Step) -> usize {
     if step.v_m_per_s.abs() < STANDING_M_PER_S {
-        0
+        STANDING
     } else {
         1 + usize::from(step.omega_rad_per_s.abs() > TURNING_RAD_PER_S)
     }
@@ -95,11 +97,13 @@ impl Memory {
             for i in ORDER..steps.len() {
                 let (Some(before), class) = (self.before(steps, left, i), class(&steps[i])) else { continue };
                 let now = left[i] - self.mean[class];
-                let off = now - self.kept.iter().zip(&before).fold(0.0, |sum, (k, b)| sum + k * b);
+                let off = now - self.kept_of(class, &before);
                 let squares = (off / self.spread[class]) * (off / self.spread[class]);
                 let usual = first || contaminated(squares, 1.0, 0.0).1;
                 if usual {
-                    regression.observe(&before, now, 1.0 / (self.spread[class] * self.spread[class]));
+                    if class != STANDING {
+                        regression.observe(&before, now, 1.0 / (self.spread[class] * self.spread[class]));
+                    }
                     sums[class][0] += off * off;
                     sums[class][1] += 1.0;
                 }
@@ -122,17 +126,39 @@ impl Memory {
         whole.then(|| std::array::from_fn(|k| left[i - 1 - k] - self.mean[class(&steps[i - 1 - k])]))
     }
 
-    /// What step `i` says, were scatter `exp(louder)` times as great.
+    /// What a step of a class keeps of those before: a car that stands has no speed to keep.
+    fn kept_of(&self, class: usize, before: &[f64; ORDER]) -> f64 {
+        if class == STANDING { 0.0 } else { self.kept.iter().zip(before).fold(0.0, |sum, (k, b)| sum + k * b) }
+    }
+
+    /// What step `i` says, were scatter `exp(louder)` times as great, and were something else in it of this mean and
+    /// variance; `None` where steps before it are missing.
     #[must_use]
-    pub fn fresh(&self, steps: &[Step], left: &[f64], i: usize, louder: f64) -> Fresh {
+    pub fn fresh(&self, steps: &[Step], left: &[f64], i: usize, louder: f64, beside: [f64; 2]) -> Option<Fresh> {
         let class = class(&steps[i]);
-        let Some(before) = self.before(steps, left, i) else { return Fresh::default() };
-        let expected = self.kept.iter().zip(&before).fold(self.mean[class], |sum, (k, b)| sum + k * b);
-        let ln_scale = ln(self.spread[class]) + louder;
-        let white = (left[i] - expected) / exp(ln_scale);
+        let before = self.before(steps, left, i)?;
+        let expected = self.mean[class] + self.kept_of(class, &before);
+        let own = self.spread[class] * exp(louder);
+        let ln_scale = 0.5 * ln(own * own + beside[1]);
+        let white = (left[i] - expected - beside[0]) / exp(ln_scale);
         let (log_likelihood, genuine) = contaminated(white * white, 1.0, ln_scale);
         let expected = 0.5 + 0.5 * ln(std::f64::consts::TAU) + ln_scale;
-        Fresh { log_likelihood, expected, white, ln_scale, genuine }
+        Some(Fresh { log_likelihood, expected, white, ln_scale, genuine })
+    }
+
+    /// What is new in a column at step `i`, less what would be kept of it; 0 where steps before it are missing.
+    #[must_use]
+    pub fn new_in(&self, steps: &[Step], column: &[f64], i: usize) -> f64 {
+        if self.before(steps, column, i).is_none() {
+            return 0.0;
+        }
+        column[i] - self.kept_of(class(&steps[i]), &std::array::from_fn(|k| column[i - 1 - k]))
+    }
+
+    /// Standard deviation of what is new in a step.
+    #[must_use]
+    pub fn spread_of(&self, step: &Step) -> f64 {
+        self.spread[class(step)]
     }
 
     /// As many steps say nothing by themselves.
@@ -175,7 +201,8 @@ mod tests {
         // Standard errors are sqrt((1 - 0.64) / 4000), about 0.01.
         assert!((a - 0.8).abs() < 0.06 && b.abs() < 0.08 && c.abs() < 0.06, "{memory:?}");
         assert!((memory.spread[1] - 0.02).abs() < 0.001 && (memory.mean[1] - 0.1).abs() < 0.01, "{memory:?}");
-        let squares: f64 = (3..4000).map(|i| memory.fresh(&steps, &left, i, 0.0).white.powi(2)).sum();
+        let squares: f64 =
+            (3..4000).filter_map(|i| memory.fresh(&steps, &left, i, 0.0, [0.0; 2])).map(|it| it.white.powi(2)).sum();
         assert!((squares - 3997.0).abs() < 4.0 * (2.0_f64 * 3997.0).sqrt() + 40.0, "{squares}");
     }
 }

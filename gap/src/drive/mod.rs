@@ -5,6 +5,7 @@
 //! scanner shows where its own redundancy breaks ([`scanner`]): neighbouring lasers, the ground under all of them,
 //! consecutive turns must agree.
 
+pub mod between;
 pub mod driven;
 pub mod flexible;
 pub mod ground;

@@ -2,7 +2,8 @@
 //!
 //! Nobody knows the hills under a log's car. Left to itself, a car that is played without them drifts away by metres a
 //! second. So the plane leans: after each step by as much as brings back, within about two seconds, what the played car
-//! was too fast in it. Means are held against means, so that a car that needs no leading gets none.
+//! was too fast in it. Means are held against means, so that a car that needs no leading gets none. And it changes gear by the
+//! speed that was seen: near the speed of a change, a car that goes a little slower stays in the other gear for long.
 
 use asami_dataset::{Command, Seed, TruePose};
 use asami_math::angle::wrap_rad;
@@ -13,6 +14,7 @@ use asami_sim::scenes::solid::Ground;
 use asami_sim::world::{Record, World};
 
 use super::motion::Step;
+use super::scanner::speed;
 use crate::nominal::CannotPlay;
 
 /// The speed comes back within this time.
@@ -21,8 +23,6 @@ const LED_S: f64 = 2.0;
 const GRAVITY_M_PER_S2: f64 = 9.81;
 /// The plane never leans by more: no street does.
 const STEEPEST: f64 = 0.25;
-/// From the middle to the edge of the plane.
-const HALF_M: f32 = 20_000.0;
 /// Routes begin towards world +x.
 const TOWARDS_RAD: f64 = -std::f64::consts::FRAC_PI_2;
 
@@ -45,7 +45,7 @@ pub fn left(
     ahead_s: f64,
 ) -> Result<Vec<Left>, CannotPlay> {
     let start = Start { x_m: 0.0, y_m: 0.0, theta_rad: TOWARDS_RAD };
-    let ground = Ground::level(HALF_M);
+    let ground = Ground::endless();
     let mut car =
         CarWorld::new(config, &ground, None, effects, start, Seed(0)).map_err(|error| CannotPlay(error.to_string()))?;
     let (Some(first), Some(last)) = (commands.first(), steps.last()) else { return Ok(Vec::new()) };
@@ -78,6 +78,7 @@ pub fn left(
         }
         let (sin, cos) = sin_cos(car.pose().theta_rad);
         car.lean([-rise * sin, rise * cos]);
+        car.shift_by(speed(steps, now_s + ahead_s));
         car.tick(in_force, &mut record);
     }
 }

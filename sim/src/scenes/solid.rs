@@ -16,13 +16,19 @@ pub struct Solid {
 pub struct Ground {
     /// x, y, z in metres.
     pub vertices: Vec<[f32; 3]>,
-    /// Corners, counter-clockwise from above.
+    /// Corners, counter-clockwise from above; none make a level plane at height 0 without end.
     pub triangles: Vec<[u32; 3]>,
     /// Walls, trunks, poles, parked cars.
     pub solids: Vec<Solid>,
 }
 
 impl Ground {
+    /// A level plane at height 0 without end.
+    #[must_use]
+    pub fn endless() -> Self {
+        Self::default()
+    }
+
     /// A level square at height 0 about the origin.
     #[must_use]
     pub fn level(half_m: f32) -> Self {

@@ -79,10 +79,19 @@ impl Body {
         engine.gravity = Vector::new(0.0, 0.0, -config.physics.gravity_m_per_s2 as f32);
         engine.integration_parameters.dt = config.physics.time_step_s as f32;
         engine.integration_parameters.num_solver_iterations = 1;
-        let vertices = ground.vertices.iter().map(|&[x, y, z]| Vector::new(x, y, z)).collect();
-        let shape = SharedShape::trimesh(vertices, ground.triangles.clone())
-            .map_err(|error| BuildError::Ground(error.to_string()))?;
-        engine.colliders.insert(ColliderBuilder::new(shape.clone()));
+        let endless = ground.triangles.is_empty();
+        let shape = if endless {
+            SharedShape::halfspace(Vector::Z)
+        } else {
+            let vertices = ground.vertices.iter().map(|&[x, y, z]| Vector::new(x, y, z)).collect();
+            SharedShape::trimesh(vertices, ground.triangles.clone())
+                .map_err(|error| BuildError::Ground(error.to_string()))?
+        };
+        // Nothing but its wheels touches a plane on which nothing stands.
+        let touches = !(endless && ground.solids.is_empty());
+        if touches {
+            engine.colliders.insert(ColliderBuilder::new(shape.clone()));
+        }
         for solid in &ground.solids {
             let [hx, hy, hz] = solid.half_m.map(|half| half as f32);
             let turned = yawed(asami_math::elementary::atan2(solid.along[1], solid.along[0]));
@@ -106,7 +115,7 @@ impl Body {
             .additional_mass_properties(Load::of(&blueprint, &Setting::default()).properties())
             .can_sleep(false);
         let chassis = engine.bodies.insert(body);
-        for shell in &blueprint.shells {
+        for shell in blueprint.shells.iter().filter(|_| touches) {
             let half = shell.half_m.map(|half| half as f32);
             let collider = ColliderBuilder::cuboid(half.x, half.y, half.z)
                 .position(to_engine(&Isometry3::from_parts(shell.centre_m.into(), UnitQuaternion::identity())))
@@ -119,7 +128,9 @@ impl Body {
         let wheels = std::array::from_fn(|i| {
             let front = i < 2;
             let share = if front { front_share } else { 1.0 - front_share };
-            Wheel::new(blueprint.wheels[i], &config.suspension, front, config.tyre.clone(), 0.5 * share * weight_n)
+            let preload_n = 0.5 * share * weight_n;
+            let wheel = Wheel::new(blueprint.wheels[i], &config.suspension, front, config.tyre.clone(), preload_n);
+            if endless { wheel.on_a_plane() } else { wheel }
         });
         Ok(Self {
             engine,

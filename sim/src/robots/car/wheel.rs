@@ -6,7 +6,9 @@ use super::blueprint::WheelPlan;
 use super::config::{Suspension, Tyre};
 
 /// Where along the wheel the ground is felt, in radii before the hub: a disc rolling over a kerb climbs it.
-const FEELERS: [f64; 5] = [-0.8, -0.4, 0.0, 0.4, 0.8];
+const DISC: [f64; 5] = [-0.8, -0.4, 0.0, 0.4, 0.8];
+/// A plane reaches deepest under the hub.
+const HUB: [f64; 1] = [0.0];
 /// Feelers start this far above the hub.
 const ABOVE_M: f64 = 0.4;
 
@@ -80,6 +82,7 @@ pub struct Inputs {
 #[derive(Clone, Debug)]
 pub struct Wheel {
     plan: WheelPlan,
+    feelers: &'static [f64],
     tyre: Tyre,
     spring_n_per_m: f64,
     damper_n_s_per_m: f64,
@@ -103,6 +106,7 @@ impl Wheel {
         let springs = [suspension.rear_stiffness_n_per_m, suspension.front_stiffness_n_per_m];
         Self {
             plan,
+            feelers: &DISC,
             tyre,
             spring_n_per_m: springs[usize::from(front)],
             damper_n_s_per_m: suspension.damping_n_s_per_m,
@@ -114,6 +118,12 @@ impl Wheel {
             tread_m: [0.0; 2],
             load_n: preload_n,
         }
+    }
+
+    /// The same for ground that has no edges: it is felt under the hub alone.
+    #[must_use]
+    pub fn on_a_plane(self) -> Self {
+        Self { feelers: &HUB, ..self }
     }
 
     /// How far the suspension is compressed from where it rests.
@@ -191,7 +201,7 @@ impl Wheel {
             let at_m = hub_m - normal * (radius_m - depth_m);
             (depth_m > 0.0 && below_m > ABOVE_M).then_some(Contact { at_m, normal, depth_m })
         };
-        FEELERS.into_iter().filter_map(feel).max_by(|a, b| a.depth_m.total_cmp(&b.depth_m))
+        self.feelers.iter().copied().filter_map(feel).max_by(|a, b| a.depth_m.total_cmp(&b.depth_m))
     }
 
     /// The tread's force. It bends with the slip, recovers as it rolls out of the contact, and slides beyond the

@@ -141,6 +141,11 @@ impl CarWorld {
         self.nominal.ground.slope = slope;
     }
 
+    /// Lets the gearbox change by a speed that was seen, in place of the wheels' own, from the next step on.
+    pub fn shift_by(&mut self, seen_m_per_s: f64) {
+        self.drivetrain.seen_m_per_s = Some(seen_m_per_s);
+    }
+
     fn now_s(&self) -> f64 {
         self.steps as f64 * self.config.physics.time_step_s
     }

@@ -257,3 +257,19 @@ fn a_delay_repeats_the_drive_later() {
     let (a, b) = (prompt.pose(), late.pose());
     assert!((a.x_m - b.x_m).abs() < 2e-3 && (a.y_m - b.y_m).abs() < 2e-3, "{a:?} {b:?}");
 }
+
+/// Off, round a corner and on the brake: where triangles are felt and where there are none.
+#[test]
+fn an_endless_plane_is_a_level_one() {
+    let mut worlds = [level(), on(&Ground::endless(), &Effects::default())];
+    for (throttle, brake, steering, lasts_s) in [(0.3, 0.0, 0.0, 4.0), (0.1, 0.0, 0.4, 4.0), (0.0, 0.4, 0.0, 3.0)] {
+        let ends_s = worlds[0].t_s() + lasts_s;
+        while worlds[0].t_s() < ends_s {
+            let action = Action::Pedals { throttle, brake, steering };
+            worlds.iter_mut().for_each(|world| world.tick(action, &mut Record::default()));
+        }
+        let [a, b] = worlds.each_ref().map(CarWorld::pose);
+        assert!((a.x_m - b.x_m).hypot(a.y_m - b.y_m) < 2e-3 && (a.theta_rad - b.theta_rad).abs() < 1e-4, "{a:?} {b:?}");
+    }
+    assert!(worlds[1].pose().y_m > 5.0);
+}
