@@ -20,6 +20,8 @@ use crate::view::{Seen, View};
 
 /// Variances that a second adds where a robot goes astray: 0.3 m to the right and forwards, a radian.
 const ASTRAY: [f64; 3] = [0.1, 0.1, 1.0];
+/// A bearing that was put in, and not measured, holds the robot on its rail so closely, and says nothing.
+const RAIL_RAD: f64 = 1e-3;
 /// A sway is not followed over a gap of so many frames.
 const GAP: f64 = 2.5;
 
@@ -167,9 +169,10 @@ impl<'a> Ready<'a> {
                 let (likely, innovation) = self.update(view, i, seen, &mut state);
                 log_likelihood += likely;
                 if H::EXPECTS {
-                    // The entropy of a Gaussian: 1 for its two squares, and its scales.
+                    // The entropy of a Gaussian: a half for each square, and its scales.
                     let [size, bearing] = innovation.scale;
-                    expected += 1.0 + ln(TAU * size * bearing / (1.0 - self.share_false));
+                    expected += 0.5 + ln(TAU.sqrt() * size / (1.0 - self.share_false));
+                    expected += if view.aims { 0.5 + ln(TAU.sqrt() * bearing) } else { 0.0 };
                 }
                 who.sighting(innovation);
             }
@@ -302,7 +305,7 @@ impl<'a> Ready<'a> {
         let sight = self.sight(view, i, landmark, &belief);
         let (expected, of_pose) = self.expected(view, &sight, &belief);
         let band = self.shape.band(sight.distance_m);
-        let vars = [self.size_vars[band], self.bearing_vars[band]];
+        let vars = [self.size_vars[band], if view.aims { self.bearing_vars[band] } else { RAIL_RAD * RAIL_RAD }];
         let mut plain = Vector2::new(size - expected[0], wrap_rad(bearing_rad - expected[1]));
         let mut h = SMatrix::<f64, 2, N>::zeros();
         h.fixed_view_mut::<2, 3>(0, 0).copy_from(&of_pose);
@@ -322,10 +325,14 @@ impl<'a> Ready<'a> {
         let scale = [l[(0, 0)] * self.memory.spread[0], l[(1, 1)] * self.memory.spread[1]];
         let first = plain.x / l[(0, 0)];
         let white = [first / self.memory.spread[0], (plain.y - l[(1, 0)] * first) / scale[1]];
-        let squares = white[0] * white[0] + white[1] * white[1];
-        let of_it = (1.0 - self.share_false) * exp(-0.5 * squares) / (TAU * scale[0] * scale[1]);
         let off_rad = view.off_rad(view.steps[i].pan_rad, bearing_rad);
-        let of_another = self.share_false * self.shape.elsewhere(size, off_rad);
+        let elsewhere = self.shape.elsewhere(size, off_rad);
+        let density = |k: usize| exp(-0.5 * white[k] * white[k]) / (TAU.sqrt() * scale[k]);
+        let (of_both, elsewhere) = match view.aims {
+            true => (density(0) * density(1), elsewhere),
+            false => (density(0), elsewhere * TAU.sqrt() * scale[1]),
+        };
+        let (of_it, of_another) = ((1.0 - self.share_false) * of_both, self.share_false * elsewhere);
         let genuine = of_it / (of_it + of_another);
         // A sighting of something else leaves the state as it is, and nobody knows for sure which it was (probabilistic
         // data association, Bar-Shalom and Tse 1975).
@@ -338,7 +345,9 @@ impl<'a> Ready<'a> {
         let updated = kept * state.covariance * kept.transpose() + gain * r * gain.transpose();
         let apart = (genuine * (1.0 - genuine)) * step * step.transpose();
         state.covariance = genuine * updated + (1.0 - genuine) * state.covariance + apart;
-        (ln(of_it + of_another), Innovation { step: i, seen, plain: plain.into(), white, scale, genuine })
+        let innovation = Innovation { step: i, seen, plain: plain.into(), white, scale, genuine };
+        let innovation = if view.aims { innovation } else { innovation.of_size_alone() };
+        (ln(of_it + of_another), innovation)
     }
 
     /// Size and bearing to be expected, and their derivatives with respect to the pose.

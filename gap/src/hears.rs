@@ -59,6 +59,14 @@ impl Hears for Filtered {
     }
 }
 
+impl Innovation {
+    /// The same where the bearing was not measured.
+    #[must_use]
+    pub fn of_size_alone(self) -> Self {
+        Self { plain: [self.plain[0], 0.0], white: [self.white[0], 0.0], scale: [self.scale[0], 1.0], ..self }
+    }
+}
+
 impl Filtered {
     /// Sum over the steps from `first` on.
     #[must_use]

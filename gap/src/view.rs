@@ -93,6 +93,8 @@ pub struct View {
     pub ranges: bool,
     /// Whether frames without sightings are in the log, so that a miss says something.
     pub misses: bool,
+    /// Whether bearings were measured: where all are the same, on a rail, somebody put them in.
+    pub aims: bool,
     /// Where the sensor sits in the robot frame: right, forward. Distances and bearings are from there.
     pub origin_m: [f64; 2],
 }
@@ -132,6 +134,7 @@ impl View {
             landmarks: log.known.landmarks.iter().map(|it| [it.x_m, it.y_m]).collect(),
             ranges: log.sightings.iter().any(|it| matches!(it.size, Size::RangeM(_))),
             misses: log.frames.is_some(),
+            aims: log.sightings.windows(2).any(|pair| pair[0].bearing_rad != pair[1].bearing_rad),
             origin_m: log.known.range_bearing.as_ref().map_or([0.0; 2], |it| it.sensor_origin_m),
         };
         let mut held: Vec<(f64, f64)> = Vec::with_capacity(log.sightings.len());

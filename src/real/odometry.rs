@@ -1,4 +1,4 @@
-//! Odometry that stands in for commands: its noise is averaged away.
+//! Odometry that stands in for commands: its noise is averaged away, and it is dated by when the robot was told.
 //!
 //! A speed that was measured is off by a noise of its own at every reading. Taken for what was commanded, it would make a
 //! robot seem to do less than it is told, the more so the shorter the time over which it is looked at (regression dilution,
@@ -37,6 +37,21 @@ pub fn averaged(log: &Log, over_s: f64) -> Log {
     Log { commands: given.iter().map(mean).collect::<Vec<_>>().into(), ..log.clone() }
 }
 
+/// The log with its commands given earlier. What was measured at a time is the mean of the time since the reading before: taken
+/// for a command that holds from then on, it comes a reading too late, and no robot in the list of effects answers early.
+#[must_use]
+pub fn earlier(log: &Log, by_s: f64) -> Log {
+    let Some(began_s) = log.commands.first().map(|first| first.t_s) else { return log.clone() };
+    let moved: Vec<Command> = log.commands.iter().map(|row| Command { t_s: row.t_s - by_s, ..*row }).collect();
+    // What is in force when the log begins is given then.
+    let in_force = moved.partition_point(|row| row.t_s <= began_s).max(1) - 1;
+    let first = Command { t_s: began_s, ..moved[in_force] };
+    Log {
+        commands: std::iter::once(first).chain(moved[in_force + 1..].iter().copied()).collect::<Vec<_>>().into(),
+        ..log.clone()
+    }
+}
+
 /// Speed and turning rate.
 fn wheels(action: &Action) -> [f64; 2] {
     match *action {
@@ -71,5 +86,21 @@ mod tests {
         }
         let empty = Log::default();
         assert_eq!(averaged(&empty, 1.0), empty);
+    }
+
+    /// At every time what was read a reading later is in force.
+    #[test]
+    fn what_was_read_was_commanded_before() {
+        let given = log((0..50).map(|i| 0.01 * f64::from(i)));
+        let moved = earlier(&given, 0.1);
+        let at = |log: &Log, t_s: f64| {
+            wheels(&log.commands[log.commands.partition_point(|row| row.t_s <= t_s) - 1].action)[0]
+        };
+        for i in 0..48 {
+            let t_s = 0.1 * f64::from(i) + 0.05;
+            assert_eq!(at(&moved, t_s), at(&given, t_s + 0.1), "{t_s}");
+        }
+        assert_eq!((moved.commands.len(), moved.commands[0].t_s), (49, 0.0));
+        assert_eq!(earlier(&Log::default(), 0.1), Log::default());
     }
 }

@@ -61,6 +61,8 @@ pub struct Source {
     pub nominal: String,
     /// Odometry that is noisy at each reading stands in for commands, and is averaged over so long: see [`super::odometry`].
     pub average_s: Option<f64>,
+    /// Odometry stands in for commands, and each reading is of the time before it: so much earlier it was commanded.
+    pub earlier_s: Option<f64>,
     /// The scenario by which this recording is learned from: a shipped one's name.
     pub learned_in: Option<String>,
 }
@@ -128,6 +130,9 @@ impl Asked {
             if let Some(average_s) = log.average_s.filter(|it| !(0.01..=10.0).contains(it)) {
                 fault(at("average_s"), format!("average_s must lie in 0.01..=10 s, not {average_s}"));
             }
+            if let Some(earlier_s) = log.earlier_s.filter(|it| !(0.001..=1.0).contains(it)) {
+                fault(at("earlier_s"), format!("earlier_s must lie in 0.001..=1 s, not {earlier_s}"));
+            }
             if log.learned_in.is_some() && self.learning.is_none() {
                 fault(at("learned_in"), "learned_in says nothing without a table [learning]".into());
             }
@@ -178,6 +183,7 @@ mod tests {
             format!("{:?}", miette::Report::new(bad))
         };
         assert!(said("\"mrclam\"", "\"clam\"").contains("unknown format `clam`"));
+        assert!(said("nominal =", "earlier_s = 3.0\nnominal =").contains("earlier_s must lie in 0.001..=1 s, not 3"));
         assert!(said("nominal =", "average_s = 0.0\nnominal =").contains("average_s must lie in 0.01..=10 s, not 0"));
         assert!(said("nominal =", "learned_in = \"mrclam\"\nnominal =").contains("without a table [learning]"));
         let learning = |table: &str| said("[[logs]]", &format!("[learning]\n{table}\n[[logs]]"));

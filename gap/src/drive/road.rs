@@ -2,8 +2,9 @@
 //!
 //! Nobody knows the hills under a log's car. Left to itself, a car that is played without them drifts away by metres a
 //! second. So the plane leans: after each step by as much as brings back, within about two seconds, what the played car
-//! was too fast in it. Means are held against means, so that a car that needs no leading gets none. And it changes gear by the
-//! speed that was seen: near the speed of a change, a car that goes a little slower stays in the other gear for long.
+//! was too fast in it. Means are held against means, so that a car that needs no leading gets none. And where it
+//! goes slower or faster than was seen, it changes gear by what was seen: a car that stays below the speed of a change
+//! stays in the other gear for long.
 
 use asami_dataset::{Command, Seed, TruePose};
 use asami_math::angle::wrap_rad;
@@ -21,6 +22,8 @@ use crate::nominal::CannotPlay;
 const LED_S: f64 = 2.0;
 /// Standard gravity.
 const GRAVITY_M_PER_S2: f64 = 9.81;
+/// Means over steps do not say by less than this how fast a car is at a time.
+const AS_SEEN_M_PER_S: f64 = 0.1;
 /// The plane never leans by more: no street does.
 const STEEPEST: f64 = 0.25;
 /// Routes begin towards world +x.
@@ -78,7 +81,8 @@ pub fn left(
         }
         let (sin, cos) = sin_cos(car.pose().theta_rad);
         car.lean([-rise * sin, rise * cos]);
-        car.shift_by(speed(steps, now_s + ahead_s));
+        let off = speed(steps, now_s + ahead_s) - car.pose().v_m_per_s.unwrap_or(0.0);
+        car.shift_as_if(off - off.clamp(-AS_SEEN_M_PER_S, AS_SEEN_M_PER_S));
         car.tick(in_force, &mut record);
     }
 }

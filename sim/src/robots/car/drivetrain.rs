@@ -16,8 +16,8 @@ pub struct Drivetrain {
     /// What the gearbox is changing to.
     wanted_ratio: f64,
     ratio: f64,
-    /// The speed by which it changes gear, where not the wheels' own.
-    pub seen_m_per_s: Option<f64>,
+    /// How far the speed by which it changes gear is above the wheels' own.
+    pub faster_m_per_s: f64,
 }
 
 impl Drivetrain {
@@ -25,7 +25,7 @@ impl Drivetrain {
     #[must_use]
     pub fn new(config: Engine) -> Self {
         let (engine_rad_per_s, ratio) = (config.idle_rad_per_s, config.first_ratio);
-        Self { config, engine_rad_per_s, wanted_ratio: ratio, ratio, seen_m_per_s: None }
+        Self { config, engine_rad_per_s, wanted_ratio: ratio, ratio, faster_m_per_s: 0.0 }
     }
 
     /// The gearbox' ratio, between two gears while it changes.
@@ -36,7 +36,7 @@ impl Drivetrain {
 
     /// Torque on all driven wheels together, one step on. `torque_ratio` is a factor on the engine's torque.
     pub fn step(&mut self, throttle: f64, wheels_rad_per_s: f64, radius_m: f64, torque_ratio: f64, dt_s: f64) -> f64 {
-        self.change(throttle, self.seen_m_per_s.unwrap_or(wheels_rad_per_s * radius_m), dt_s);
+        self.change(throttle, wheels_rad_per_s * radius_m + self.faster_m_per_s, dt_s);
         let geared = self.ratio * self.config.final_ratio;
         let engine = self.engine_rad_per_s;
         let slip = 1.0 - wheels_rad_per_s * geared / engine;

@@ -141,9 +141,9 @@ impl CarWorld {
         self.nominal.ground.slope = slope;
     }
 
-    /// Lets the gearbox change by a speed that was seen, in place of the wheels' own, from the next step on.
-    pub fn shift_by(&mut self, seen_m_per_s: f64) {
-        self.drivetrain.seen_m_per_s = Some(seen_m_per_s);
+    /// Lets the gearbox change, from the next step on, as if the wheels were so much faster.
+    pub fn shift_as_if(&mut self, faster_m_per_s: f64) {
+        self.drivetrain.faster_m_per_s = faster_m_per_s;
     }
 
     fn now_s(&self) -> f64 {
