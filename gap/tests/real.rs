@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use asami_dataset::log::RangeBearing;
-use asami_dataset::{Command, Known, Log, Seed};
+use asami_dataset::{Command, Known, Log, Seed, Sighting};
 use asami_gap::aside::Aside;
 use asami_gap::diagnosis::{Diagnosis, Verdict};
 use asami_gap::library::{Budget, play};
@@ -189,4 +189,22 @@ fn a_sensor_off_the_centre_sees_from_where_it_is() {
         let swung = view.out(theta_rad).1;
         assert!((0..2).all(|k| ((more[k] - less[k]) / (2.0 * h) - swung[k]).abs() < 1e-8));
     }
+}
+
+/// Of a robot on a rail somebody puts bearings in. They say nothing, however exact a response takes them to be.
+#[test]
+fn bearings_that_were_not_measured_say_nothing() {
+    let measured = log([1.0; 3], &[], 0);
+    let put_in = measured.sightings.iter().map(|seen| Sighting { bearing_rad: 0.0, ..*seen });
+    let put_in = Log { sightings: put_in.collect::<Vec<_>>().into(), ..measured.clone() };
+    let said = |log: &Log, louder: f64| {
+        let judge = library().judge(log).unwrap();
+        let mut numbers = judge.numbers(&[]);
+        library().base.shape.range(Numbers::BearingNoise).for_each(|i| numbers[i] += louder);
+        judge.read(&numbers)
+    };
+    assert_eq!(said(&put_in, 0.0), said(&put_in, 2.0));
+    assert_ne!(said(&measured, 0.0).log_likelihoods, said(&measured, 2.0).log_likelihoods);
+    let of_bearings = |it: &&asami_gap::judge::Innovation| it.channel == 1;
+    assert!(said(&put_in, 0.0).innovations.iter().filter(of_bearings).all(|it| it.white == 0.0));
 }

@@ -49,6 +49,18 @@ pub struct Weights {
     covariance: Vec<Vec<f64>>,
 }
 
+/// A drive, to be gone through step by step.
+pub struct Course<'a> {
+    /// How what is left of each axis scatters.
+    pub memory: &'a [Memory; 2],
+    /// Its steps.
+    pub steps: &'a [Step],
+    /// What is left of speeds and of turning rates, by step.
+    pub left: &'a [Vec<f64>; 2],
+    /// Its columns.
+    pub rows: &'a Rows,
+}
+
 /// What nominal drives leave.
 pub struct Nominally<'a> {
     /// Their steps.
@@ -174,10 +186,11 @@ impl Weights {
     /// After a whole drive.
     fn after(memory: &[Memory; 2], drive: &Nominally<'_>, rows: &Rows, sd: &[f64]) -> Self {
         let mut weights = Self::unknown(sd);
-        let left = [0, 1].map(|axis| drive.left.iter().map(|it| it[axis]).collect::<Vec<f64>>());
+        let left = [0, 1].map(|axis| drive.left.iter().map(|it| it[axis]).collect());
+        let course = Course { memory, steps: drive.steps, left: &left, rows };
         for i in 0..drive.steps.len() {
             for axis in 0..2 {
-                weights.fresh(rows, axis, &memory[axis], drive.steps, &left[axis], i, 0.0);
+                weights.fresh(&course, axis, i, 0.0);
             }
         }
         weights
@@ -192,21 +205,12 @@ impl Weights {
     }
 
     /// What an axis says at step `i`, were scatter `exp(louder)` times as great; the weights are learned from it.
-    #[expect(clippy::too_many_arguments, reason = "a log, and where in it")]
-    pub fn fresh(
-        &mut self,
-        rows: &Rows,
-        axis: usize,
-        memory: &Memory,
-        steps: &[Step],
-        left: &[f64],
-        i: usize,
-        louder: f64,
-    ) -> Fresh {
-        let row = &rows.0[axis][i];
+    pub fn fresh(&mut self, course: &Course<'_>, axis: usize, i: usize, louder: f64) -> Fresh {
+        let row = &course.rows.0[axis][i];
         let gains: Vec<f64> = self.covariance.iter().map(|of| dot(of, row)).collect();
         let said = [dot(&self.mean, row), dot(&gains, row)];
-        let Some(fresh) = memory.fresh(steps, left, i, louder, said) else { return Fresh::default() };
+        let fresh = course.memory[axis].fresh(course.steps, &course.left[axis], i, louder, said);
+        let Some(fresh) = fresh else { return Fresh::default() };
         let scale = exp(fresh.ln_scale);
         // What is of something else says the less of the weights.
         let variance = scale * scale * if fresh.genuine { 1.0 } else { ASTRAY_SCALE * ASTRAY_SCALE };
@@ -222,4 +226,65 @@ impl Weights {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asami_dataset::Seed;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const NOISE: f64 = 0.02;
+
+    fn step(i: usize) -> Step {
+        let v_m_per_s = 5.0 + 3.0 * asami_math::elementary::sin(0.07 * i as f64);
+        Step { t_s: 0.5 * i as f64, dt_s: 0.5, v_m_per_s, omega_rad_per_s: 0.0 }
+    }
+
+    /// Drives that are each too fast by a share of their own, 4 % of them by standard deviation.
+    fn drives(n: usize, name: &str) -> Vec<Vec<Left>> {
+        let mut rng = Seed(5).stream(name);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let drive = |_| {
+            let share = 0.04 * normal();
+            (0..120).map(|i| [share * step(i).v_m_per_s + NOISE * normal(), 1e-3 * normal()]).collect()
+        };
+        (0..n).map(drive).collect()
+    }
+
+    fn nominally<'a>(steps: &'a [Step], left: &'a [Left]) -> Nominally<'a> {
+        Nominally { steps, left, columns: columns(steps, &[], left, left) }
+    }
+
+    /// By step: log-likelihood, and how much less it is than expected.
+    fn said(memory: &[Memory; 2], between: &Between, drive: &Nominally<'_>) -> Vec<(f64, f64)> {
+        let rows = between.rows(memory, drive.steps, &drive.columns);
+        let left = [0, 1].map(|axis| drive.left.iter().map(|it| it[axis]).collect());
+        let course = Course { memory, steps: drive.steps, left: &left, rows: &rows };
+        let mut weights = between.unknown();
+        let mut of = |i: usize| {
+            let fresh = weights.fresh(&course, 0, i, 0.0);
+            (fresh.log_likelihood, -fresh.log_likelihood - fresh.expected)
+        };
+        (Memory::SILENT..drive.steps.len()).map(&mut of).collect()
+    }
+
+    #[test]
+    fn what_drives_differ_in_is_learned_and_no_longer_surprises() {
+        let steps: Vec<Step> = (0..120).map(step).collect();
+        let (known, new) = (drives(48, "known"), drives(48, "new"));
+        let learned: Vec<Nominally<'_>> = known.iter().map(|left| nominally(&steps, left)).collect();
+        let (memory, between) = scatter(&learned);
+        assert!((memory[0].spread_of(&steps[0]) / NOISE - 1.0).abs() < 0.1, "{memory:?}");
+        let all = |between: &Between| -> Vec<(f64, f64)> {
+            new.iter().flat_map(|left| said(&memory, between, &nominally(&steps, left))).collect()
+        };
+        let (with, without) = (all(&between), all(&Between::default()));
+        let sum = |said: &[(f64, f64)]| said.iter().fold([0.0; 2], |sum, it| [sum[0] + it.0, sum[1] + it.1]);
+        let ([likely, surprise], [rough, _]) = (sum(&with), sum(&without));
+        assert!(likely > rough + 48.0 * 10.0, "{likely} {rough}");
+        // Half a square has variance 1/2; learning the law costs something.
+        let n = with.len() as f64;
+        assert!((surprise / n).abs() < 4.0 * (0.5 / n).sqrt() + 0.03, "{}", surprise / n);
+    }
 }

@@ -4,7 +4,7 @@ use asami_dataset::{Action, Channel as Rows, Command, Log};
 use asami_sim::effects::Effects;
 use rayon::prelude::*;
 
-use super::between::{self, CLOCK_STEP_S, Rows as Differ};
+use super::between::{self, CLOCK_STEP_S, Course, Rows as Differ};
 use super::flexible::{Flexible, columns};
 use super::library::{Base, Drives, Shows, scanned, with};
 use super::memory::Memory;
@@ -263,12 +263,12 @@ impl Judge for Driven<'_> {
         let mut reading = Reading::default();
         let base = &self.library.base;
         let mut weights = base.between.unknown();
+        let course = Course { memory: &base.memory, steps: &read.steps, left: &left, rows: &read.differ };
         for i in read.first..read.steps.len() {
             let (mut log_likelihood, mut expected) = (0.0, 0.0);
             for (axis, left) in left.iter().enumerate() {
                 let louder = numbers[layout.louder() + axis];
-                let memory = &base.memory[axis];
-                let fresh = weights.fresh(&read.differ, axis, memory, &read.steps, left, i, louder);
+                let fresh = weights.fresh(&course, axis, i, louder);
                 log_likelihood += fresh.log_likelihood;
                 expected += fresh.expected;
                 reading.innovations.push(Innovation {
