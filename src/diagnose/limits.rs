@@ -45,7 +45,8 @@ pub enum ShowsNothing {
     },
     /// Too short, as far as it is looked at.
     #[error(
-        "the log has {rows} rows of one kind; since each of some thousand hypotheses filters all that is looked at, that is the          first {most}, which last {found_s:.1} s: less than {least_s} s shows nothing. Leave rows out, or give a log with fewer a second"
+        "the log has {rows} rows of one kind, of which the first {most} are looked at, since each of some thousand hypotheses filters \
+         them all: they last {found_s:.1} s, and less than {least_s} s shows nothing; leave rows out"
     )]
     TooDense {
         /// Rows of the file with the most of them.
@@ -293,7 +294,8 @@ mod tests {
             .collect();
         let dense = limits(&Log { sightings: dense.into(), ..log }).unwrap_err();
         assert!(matches!(dense, ShowsNothing::TooDense { rows: 900_000, found_s, .. } if found_s < 7.0), "{dense}");
-        assert!(dense.to_string().contains("Leave rows out"), "{dense}");
+        let said = dense.to_string();
+        assert!(said.ends_with("leave rows out") && !said.contains("  "), "{said}");
     }
 
     #[test]
