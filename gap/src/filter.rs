@@ -169,10 +169,12 @@ impl<'a> Ready<'a> {
                 let (likely, innovation) = self.update(view, i, seen, &mut state);
                 log_likelihood += likely;
                 if H::EXPECTS {
-                    // The entropy of a Gaussian: a half for each square, and its scales.
+                    // The entropy of a Gaussian: a half for each of its squares, and its scales.
                     let [size, bearing] = innovation.scale;
-                    expected += 0.5 + ln(TAU.sqrt() * size / (1.0 - self.share_false));
-                    expected += if view.aims { 0.5 + ln(TAU.sqrt() * bearing) } else { 0.0 };
+                    expected += match view.aims {
+                        true => 1.0 + ln(TAU * size * bearing / (1.0 - self.share_false)),
+                        false => 0.5 + ln(TAU.sqrt() * size / (1.0 - self.share_false)),
+                    };
                 }
                 who.sighting(innovation);
             }
@@ -327,12 +329,12 @@ impl<'a> Ready<'a> {
         let white = [first / self.memory.spread[0], (plain.y - l[(1, 0)] * first) / scale[1]];
         let off_rad = view.off_rad(view.steps[i].pan_rad, bearing_rad);
         let elsewhere = self.shape.elsewhere(size, off_rad);
-        let density = |k: usize| exp(-0.5 * white[k] * white[k]) / (TAU.sqrt() * scale[k]);
-        let (of_both, elsewhere) = match view.aims {
-            true => (density(0) * density(1), elsewhere),
-            false => (density(0), elsewhere * TAU.sqrt() * scale[1]),
+        let (squares, scales, elsewhere) = match view.aims {
+            true => (white[0] * white[0] + white[1] * white[1], TAU * scale[0] * scale[1], elsewhere),
+            false => (white[0] * white[0], TAU.sqrt() * scale[0], elsewhere * TAU.sqrt() * scale[1]),
         };
-        let (of_it, of_another) = ((1.0 - self.share_false) * of_both, self.share_false * elsewhere);
+        let of_it = (1.0 - self.share_false) * exp(-0.5 * squares) / scales;
+        let of_another = self.share_false * elsewhere;
         let genuine = of_it / (of_it + of_another);
         // A sighting of something else leaves the state as it is, and nobody knows for sure which it was (probabilistic
         // data association, Bar-Shalom and Tse 1975).
