@@ -2,12 +2,12 @@
 //! in every street. Of each of the ways in which motion may be off ([`super::flexible`]), and of the clocks, nominal drives tell
 //! how far it is so by chance. A log's own chance is not known beforehand: it is filtered along with what is left of the motion.
 
-use asami_dataset::Command;
+use asami_math::decomposition::dot;
 use asami_math::elementary::exp;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::flexible;
+use super::flexible::Flexible;
 use super::memory::{ASTRAY_SCALE, Fresh, Memory};
 use super::motion::Step;
 use super::road::Left;
@@ -73,11 +73,11 @@ pub struct Nominally<'a> {
 
 /// All ways in which a drive may be off; the last is the clocks', by what is left were they [`CLOCK_STEP_S`] further apart.
 #[must_use]
-pub fn columns(steps: &[Step], commands: &[Command], left: &[Left], later: &[Left]) -> Vec<Column> {
+pub fn columns(flexible: &[Flexible], left: &[Left], later: &[Left]) -> Vec<Column> {
     // Of what is late the clocks' column stands for all.
-    let flexible = flexible::columns(steps, commands).into_iter().filter(|it| it.block != "timing").map(|it| {
-        let mut values = [vec![0.0; steps.len()], vec![0.0; steps.len()]];
-        values[it.axis] = it.values;
+    let flexible = flexible.iter().filter(|it| it.block != "timing").map(|it| {
+        let mut values = [vec![0.0; left.len()], vec![0.0; left.len()]];
+        values[it.axis].clone_from(&it.values);
         Column { unit: it.unit, values }
     });
     let changed = |axis: usize| left.iter().zip(later).map(|(a, b)| (b[axis] - a[axis]) / CLOCK_STEP_S).collect();
@@ -90,13 +90,10 @@ pub fn apart_s(drives: &[Nominally<'_>]) -> f64 {
     let left: Vec<Vec<Left>> = drives.iter().map(|drive| drive.left.to_vec()).collect();
     let memory = memories(drives, &left);
     let of = |drive: &Nominally<'_>| {
-        let rows = Rows::new(&memory, drive.steps, drive.columns.iter());
-        let mut sd = vec![0.0; drive.columns.len()];
-        sd.iter_mut().next_back().into_iter().for_each(|it| *it = ANYTHING_S);
-        let weights = Weights::after(&memory, drive, &rows, &sd);
-        let [mean, variance] = [weights.mean.last(), weights.covariance.last().and_then(|row| row.last())]
-            .map(|it| it.copied().unwrap_or(0.0));
-        [mean / variance.max(1e-12), 1.0 / variance.max(1e-12)]
+        let rows = Rows::new(&memory, drive.steps, drive.columns.last().into_iter());
+        let weights = Weights::after(&memory, drive, &rows, &[ANYTHING_S]);
+        let information = 1.0 / weights.covariance[0][0].max(1e-12);
+        [weights.mean[0] * information, information]
     };
     let sums = drives.iter().map(of).fold([0.0; 2], |sum, it| [sum[0] + it[0], sum[1] + it[1]]);
     sums[0] / sums[1].max(1e-12)
@@ -224,12 +221,9 @@ impl Weights {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::flexible;
     use super::*;
     use asami_dataset::Seed;
     use rand_distr::{Distribution, StandardNormal};
@@ -253,7 +247,7 @@ mod tests {
     }
 
     fn nominally<'a>(steps: &'a [Step], left: &'a [Left]) -> Nominally<'a> {
-        Nominally { steps, left, columns: columns(steps, &[], left, left) }
+        Nominally { steps, left, columns: columns(&flexible::columns(steps, &[]), left, left) }
     }
 
     /// By step: log-likelihood, and how much less it is than expected.

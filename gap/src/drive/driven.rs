@@ -140,13 +140,14 @@ impl Read {
             .collect::<Result<_, CannotPlay>>()
             .map_err(cannot)?;
         let later = play(&base.effects, CLOCK_STEP_S).map_err(cannot)?;
-        let ways = between::columns(&steps, &log.commands, &nominal, &later);
+        let flexible = columns(&steps, &log.commands);
+        let ways = between::columns(&flexible, &nominal, &later);
         let in_step =
             |segment: &Segment| steps.partition_point(|step| step.t_s < segment.t_s).clamp(first + 1, steps.len()) - 1;
         Ok(Self {
             differ: base.between.rows(&base.memory, &steps, &ways),
             commands: log.commands.clone(),
-            flexible: columns(&steps, &log.commands),
+            flexible,
             scored_in: segments.iter().map(in_step).collect(),
             left: nominal,
             played,

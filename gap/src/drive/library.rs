@@ -15,8 +15,9 @@ use asami_sim::robots::car::CarConfig;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::between::{Between, CLOCK_STEP_S, Column, Nominally, apart_s, columns, scatter};
+use super::between::{self, Between, CLOCK_STEP_S, Column, Nominally, apart_s, scatter};
 use super::driven::{Driven, Read};
+use super::flexible;
 use super::law::{Law, plain_mean};
 use super::memory::Memory;
 use super::motion::{CannotFollow, Moved, Step};
@@ -125,7 +126,7 @@ fn nominally<'a>(
     let columns = drives.par_iter_mut().with_max_len(1).map(|it| {
         it.left = left(car, effects, &it.commands, &it.steps, ahead_s)?;
         let later = left(car, effects, &it.commands, &it.steps, ahead_s + CLOCK_STEP_S)?;
-        Ok(columns(&it.steps, &it.commands, &it.left, &later))
+        Ok(between::columns(&flexible::columns(&it.steps, &it.commands), &it.left, &later))
     });
     let columns: Vec<Vec<Column>> = columns.collect::<Result<_, CannotPlay>>()?;
     let all = drives.iter().zip(columns);

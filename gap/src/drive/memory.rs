@@ -59,6 +59,12 @@ fn class(step: &Step) -> usize {
     }
 }
 
+/// Whether no step is missing of those that are remembered at step `i`.
+fn remembers(steps: &[Step], i: usize) -> bool {
+    let first = i.checked_sub(ORDER);
+    first.is_some_and(|first| steps[first..=i].windows(2).all(|pair| pair[1].t_s - pair[0].t_s < NEAR_S))
+}
+
 /// Probability's logarithm of a number that is normal most of the time, and whether it is one of those times.
 pub(super) fn contaminated(squares: f64, dimensions: f64, ln_scale: f64) -> (f64, bool) {
     let usual = ln(1.0 - ASTRAY) - 0.5 * squares;
@@ -121,9 +127,7 @@ impl Memory {
 
     /// What was left before step `i`, the nearest first; `None` where a step is missing.
     fn before(&self, steps: &[Step], left: &[f64], i: usize) -> Option<[f64; ORDER]> {
-        let first = i.checked_sub(ORDER)?;
-        let whole = steps[first..=i].windows(2).all(|pair| pair[1].t_s - pair[0].t_s < NEAR_S);
-        whole.then(|| std::array::from_fn(|k| left[i - 1 - k] - self.mean[class(&steps[i - 1 - k])]))
+        remembers(steps, i).then(|| std::array::from_fn(|k| left[i - 1 - k] - self.mean[class(&steps[i - 1 - k])]))
     }
 
     /// What a step of a class keeps of those before: a car that stands has no speed to keep.
@@ -149,7 +153,7 @@ impl Memory {
     /// What is new in a column at step `i`, less what would be kept of it; 0 where steps before it are missing.
     #[must_use]
     pub fn new_in(&self, steps: &[Step], column: &[f64], i: usize) -> f64 {
-        if self.before(steps, column, i).is_none() {
+        if !remembers(steps, i) {
             return 0.0;
         }
         column[i] - self.kept_of(class(&steps[i]), &std::array::from_fn(|k| column[i - 1 - k]))
