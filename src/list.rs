@@ -138,8 +138,8 @@ fn robots() -> String {
     }
     let _ = writeln!(text, "  [roam]");
     parameters(&mut text, Roaming::table());
-    let what =
-        "A 1999 Isuzu VehiCross driven through a town in Rapier, with a Velodyne HDL-64E on its roof (chapter 5)";
+    let what = "A car driven through a town in Rapier, with a Velodyne HDL-64E on its roof: a 1999 Isuzu VehiCross (chapter 5), \
+         or with body = \"av21\" under [car] a driverless race car";
     entry(&mut text, Robot::Car.name(), what, &[]);
     for (name, table) in CarConfig::tables() {
         let _ = writeln!(text, "  [car.{name}]");

@@ -26,6 +26,19 @@ pub enum CannotSee {
     /// No pedals.
     #[error("the log has no commands of pedals: what a car would have done meanwhile cannot be played")]
     NoPedals,
+    /// A car that hardly moves.
+    #[error(
+        "the car is under way for {scored} steps of 0.2 s, and for {kept} of those that are set aside: less than {} and {} show nothing",
+        least[1], least[0]
+    )]
+    Stands {
+        /// Steps under way that are set aside.
+        kept: usize,
+        /// Steps under way that are not.
+        scored: usize,
+        /// Least numbers of both.
+        least: [usize; 2],
+    },
     /// No library.
     #[error(
         "nothing was played that the log could be held against: a real scanner is held against its own table alone"

@@ -185,7 +185,7 @@ pub struct VehicleKnobs {
     pub mass_ratio: f64,
     /// Lies in the luggage space.
     pub luggage_kg: f64,
-    /// Factor on the engine's torque.
+    /// Factor on the engine's torque before its own friction.
     pub engine_ratio: f64,
     /// Dead time of the throttle's motor on top of its own.
     pub throttle_delay_s: f64,

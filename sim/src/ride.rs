@@ -118,7 +118,7 @@ impl Ride {
     /// Who drives it along the town's route.
     #[must_use]
     pub fn driver(&self, town: &Town, seed: Seed) -> Driver {
-        Driver::new(self.driving.clone(), Feel::default(), town.route.clone(), 0.0, seed.stream("drive"))
+        Driver::new(self.driving.clone(), Feel::of(self.car.body), town.route.clone(), 0.0, seed.stream("drive"))
     }
 
     fn unit(&self, seed: Seed) -> Unit {

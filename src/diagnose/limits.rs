@@ -1,5 +1,7 @@
 //! What a log cannot show, whatever parts it from the nominal world.
 
+mod ride;
+
 use asami_dataset::{Action, Command, Frame, Log, Sighting};
 
 /// Nothing can be said of the log.
@@ -20,6 +22,19 @@ pub enum ShowsNothing {
     /// A car without a laser scanner.
     #[error("the log has no laser firings: how a car moved, and how its scanner sees, is read off nothing else")]
     NoFirings,
+    /// A car that tells nothing of its motion.
+    #[error("the log has neither laser firings nor odometry: how the car moved is read off nothing else")]
+    NoMotion,
+    /// A log that is too short to set a part of it aside.
+    #[error(
+        "commands and odometry last {found_s:.1} s together; of less than {least_s} s no quarter, in pieces of 20 s, can be set aside"
+    )]
+    TooShortRide {
+        /// How long they last.
+        found_s: f64,
+        /// How long they must.
+        least_s: f64,
+    },
     /// A drive that is too short.
     #[error("the firings last {found_s:.1} s; less than {least_s} s show nothing")]
     TooShortDrive {
@@ -144,6 +159,18 @@ pub fn limits(log: &Log) -> Result<Limited, ShowsNothing> {
     }
     notes.extend(lacks(&part).map_err(|error| error.of(log))?);
     Ok(Limited { log: from_zero(part, began_s), notes })
+}
+
+/// The same of a real robot's log.
+///
+/// # Errors
+/// [`ShowsNothing`] where that is everything.
+pub fn of_real(log: &Log) -> Result<Limited, ShowsNothing> {
+    match log.known.robot.as_str() {
+        "car" if log.firings.is_some() => of_scanner(log),
+        "car" => ride::of_ride(log),
+        _ => limits(log),
+    }
 }
 
 /// The same of a real laser scanner, which is diagnosed by its scans alone.

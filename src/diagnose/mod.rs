@@ -25,7 +25,7 @@ use asami_gap::real;
 use asami_gap::real::scanner::lasers::Laser;
 use asami_gap::real::scanner::{self, Found};
 use asami_gap::view::CannotSee;
-use asami_gap::{Budget, Diagnosis, Responds, Variant};
+use asami_gap::{Budget, Diagnosis, Nominal, Responds, Variant};
 use asami_sim::effects::catalogue;
 
 use crate::report::diagnosis::{Beside, report};
@@ -54,6 +54,11 @@ const BY_A_QUARTER: &str = "a quarter of the log, in pieces of 20 s, says how no
 /// And a real laser scanner's.
 const BY_SCANS: &str = "the scanner is held against the table of its own lasers, by its scans alone; how they scatter from second \
                         to second says how much is chance, and probabilities are not calibrated";
+
+/// And a real car's that tells its own motion.
+const BY_PEDALS: &str = "the car is held against what its pedals and steering bring about in the nominal world, by its odometry, while \
+                         it is under way; a quarter of the log, in pieces of 20 s, says how that scatters; it is not diagnosed, and \
+                         probabilities are not calibrated";
 
 /// What is asked of a diagnosis.
 #[derive(Clone, Debug, Default)]
@@ -186,7 +191,15 @@ impl Ready {
             Responses::Landmarks(library) => {
                 Ok(Found { diagnosis: real::diagnose(library, &self.variants, log)?, lasers: Vec::new() })
             }
-            Responses::Drives(_) | Responses::Unplayed => scanner::diagnose(&self.variants, log),
+            Responses::Drives(_) | Responses::Unplayed if log.firings.is_some() => {
+                scanner::diagnose(&self.variants, log)
+            }
+            Responses::Drives(_) | Responses::Unplayed => {
+                let (simulation, variants) = (&self.held.simulation, &self.variants);
+                let car = simulation.car().ok_or(CannotSee::NoPedals)?;
+                let diagnosis = real::pedals::diagnose(car, &simulation.effects, variants, log)?;
+                Ok(Found { diagnosis, lasers: Vec::new() })
+            }
         }
     }
 
@@ -227,10 +240,17 @@ impl Answer {
     /// # Errors
     /// [`CannotDiagnose`] says what is missing.
     pub fn new(log: &Log, asked: &Asked, listener: &dyn Listener) -> Result<(Self, Ready), CannotDiagnose> {
-        let scans = asked.real && log.known.robot == Robot::Car.name();
-        let Limited { log, mut notes } = if scans { limits::of_scanner(log)? } else { limits::limits(log)? };
+        let Limited { log, mut notes } = if asked.real { limits::of_real(log)? } else { limits::limits(log)? };
         if asked.real {
-            notes.push(if scans { BY_SCANS } else { BY_A_QUARTER }.to_owned());
+            let car = log.known.robot == Robot::Car.name();
+            let by = if !car {
+                BY_A_QUARTER
+            } else if log.firings.is_some() {
+                BY_SCANS
+            } else {
+                BY_PEDALS
+            };
+            notes.push(by.to_owned());
         }
         notes.iter().for_each(|note| listener.says(&format!("note: {note}")));
         let ready = Ready::new(&log, asked, listener)?;

@@ -29,6 +29,8 @@ pub static IMPORTER: Importer = Importer {
     read: Read::One(read),
 };
 
+/// Angle of the front wheels at full lock, which counts as 1: the steering motor's 240 deg at 15 to 1.
+const FULL_LOCK_RAD: f64 = 16.0 / 180.0 * std::f64::consts::PI;
 /// Brake pressure that counts as 1: 400 psi, the greatest that is ever commanded.
 const FULL_BRAKE_KPA: f64 = 2757.9;
 
@@ -60,14 +62,17 @@ pub fn read(source: &Path) -> Result<Imported, ImportError> {
     for (_, [t_s, v_m_per_s, omega_rad_per_s, delta, throttle, brake]) in rows {
         let t_s = t_s - start_s;
         let (throttle, brake) = ((throttle / 100.0).clamp(0.0, 1.0), (brake / FULL_BRAKE_KPA).clamp(0.0, 1.0));
-        commands.push(Command { t_s, action: Action::Pedals { throttle, brake, steering: delta.clamp(-1.0, 1.0) } });
+        let steering = (delta / FULL_LOCK_RAD).clamp(-1.0, 1.0);
+        commands.push(Command { t_s, action: Action::Pedals { throttle, brake, steering } });
         odometry.push(Odometry { t_s, v_m_per_s, omega_rad_per_s });
         moving.push(Moving { t_s, v_m_per_s, omega_rad_per_s });
     }
     let track: Vec<TruePose> = added_up(&moving);
     let mut notes = vec![
         "assumed: times count from the first row".to_owned(),
-        format!("assumed: throttle is its share of 100 %, brake that of {FULL_BRAKE_KPA} kPa, steering the wheels' angle in radians"),
+        format!(
+            "assumed: throttle is its share of 100 %, brake that of {FULL_BRAKE_KPA} kPa, steering the wheels' angle's of {FULL_LOCK_RAD:.4} rad"
+        ),
         "assumed: speed and yaw rate of the inertial navigation are what the car may measure itself (odometry.csv), and the truth".to_owned(),
         "assumed: positions are the forward speed and rate of turn added up".to_owned(),
     ];

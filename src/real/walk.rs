@@ -7,17 +7,18 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use asami_dataset::{Dataset, Log};
-use asami_gap::Diagnosis;
 use asami_gap::real::scanner::Found;
+use asami_gap::{Diagnosis, Nominal};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::capture::steering::of_car;
 use super::capture::{Capture, capture};
 use super::learning::{Lesson, lessons};
 use super::odometry;
 use super::scanner::{self, Checked};
 use super::scenario::{Real, Source};
-use crate::diagnose::limits::{limits, of_scanner};
+use crate::diagnose::limits::of_real;
 use crate::diagnose::progress::Listener;
 use crate::diagnose::{self, Ready};
 use crate::import;
@@ -231,8 +232,7 @@ impl Prepared<'_> {
         let log = part.of(&self.dataset.log);
         let scans = log.firings.is_some();
         let said = catch_unwind(AssertUnwindSafe(|| {
-            let limited = if scans { of_scanner(&log) } else { limits(&log) };
-            let limited = limited.map_err(|error| error.to_string())?;
+            let limited = of_real(&log).map_err(|error| error.to_string())?;
             self.ready.diagnose_real(&limited.log).map_err(|error| error.to_string())
         }));
         let (found, error) = match said {
@@ -267,6 +267,9 @@ impl Prepared<'_> {
         let (first_s, last_s) = log.span_s().unwrap_or_default();
         let mut seen = Dataset { log, ..self.dataset.clone() };
         seen.truth.track = seen.truth.track.window(&(first_s..last_s));
+        if let Some(car) = self.ready.held.simulation.car() {
+            return of_car(&seen, car);
+        }
         let own_lag_s = match &self.ready.held.simulation.drive {
             Policy::Roam(roams) => roams.create.wheels.lag_s,
             _ => 0.0,

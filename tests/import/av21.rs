@@ -26,7 +26,7 @@ fn rows_become_pedals_odometry_and_a_track() {
     let (log, truth) = (found.dataset.log, found.dataset.truth);
     assert_eq!((log.commands.len(), log.odometry.len(), truth.track.len()), (101, 101, 101));
     let Action::Pedals { throttle, brake, steering } = log.commands[100].action else { panic!() };
-    assert!((throttle - 0.25).abs() < 1e-12 && (brake - 0.25).abs() < 1e-12 && (steering - 0.03).abs() < 1e-12);
+    assert!((throttle - 0.25).abs() < 1e-12 && (brake - 0.25).abs() < 1e-12 && (steering - 0.03 / 0.2793).abs() < 1e-4);
     assert!((log.odometry[100].t_s - 4.0).abs() < 1e-6 && log.odometry[0].t_s == 0.0);
     let last = truth.track[100];
     // Two seconds ahead, then an arc of radius 100 m to the left.
@@ -57,7 +57,7 @@ fn the_real_log_is_read() {
     // What is commanded is what pedals and wheels can do.
     let possible = |action: &Action| match action {
         Action::Pedals { throttle, brake, steering } => {
-            (0.0..=1.0).contains(throttle) && (0.0..=1.0).contains(brake) && steering.abs() < 0.2
+            (0.0..=1.0).contains(throttle) && (0.0..=1.0).contains(brake) && steering.abs() < 0.8
         }
         _ => false,
     };

@@ -16,11 +16,12 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::between::{self, Between, CLOCK_STEP_S, Column, Nominally, apart_s, scatter};
-use super::driven::{Driven, Read};
+use super::driven::Driven;
 use super::flexible;
 use super::law::{Law, plain_mean};
 use super::memory::Memory;
 use super::motion::{CannotFollow, Moved, Step};
+use super::read::Read;
 use super::road::left;
 use super::scanner::{COUNT, IN_LOGARITHMS, Segment, segments};
 use crate::judge::Judge;
@@ -274,6 +275,35 @@ impl Drives {
     #[must_use]
     pub fn new(base: Base, entries: Vec<Entry>) -> Self {
         Self { base, entries, lately: Lately::default() }
+    }
+
+    /// Of a car whose motion is told by its odometry: nothing is known of a scanner, nor yet of how what is left scatters.
+    #[must_use]
+    pub fn of_motion(car: &CarConfig, effects: &Effects) -> Self {
+        let base = Base {
+            car: car.clone(),
+            effects: effects.clone(),
+            ahead_s: 0.0,
+            memory: [Memory::default(); 2],
+            between: Between::default(),
+            law: Law::learn(&[]),
+            first: Vec::new(),
+        };
+        Self::new(base, Vec::new())
+    }
+
+    /// Has these kinds of effects played when a log is read, as far as they act on how a car moves.
+    pub fn play(&mut self, variants: &[Variant]) {
+        let acts = |variant: &&Variant| {
+            Shows::of(&with(&self.base.effects, variant, variant.sizes().1), variant.place()).in_motion
+        };
+        let entry = |variant: &Variant| Entry {
+            kind: variant.name(),
+            sizes: Vec::new(),
+            moved: Vec::new(),
+            further: Vec::new(),
+        };
+        self.entries = variants.iter().filter(acts).map(entry).collect();
     }
 
     /// The entries by kind.

@@ -13,6 +13,7 @@ pub mod law;
 pub mod library;
 pub mod memory;
 pub mod motion;
+pub mod read;
 pub mod road;
 pub mod scanner;
 pub mod walls;

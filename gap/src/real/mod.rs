@@ -4,6 +4,7 @@
 pub mod astray;
 pub mod layers;
 mod noise;
+pub mod pedals;
 pub mod scanner;
 
 use std::collections::BTreeMap;

@@ -9,6 +9,7 @@ use asami_dataset::{Action, Rng, TruePose};
 use asami_math::elementary::{atan, exp, hypot, ln_1p, sin_cos, tan};
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::robots::car::Model;
 use crate::scenes::town::Route;
 use crate::world::{Drive, Seen};
 
@@ -91,6 +92,30 @@ impl Default for Feel {
             steering_rad: 0.6,
             wheelbase_m: 2.332,
             before_rear_axle_m: 1.066,
+        }
+    }
+}
+
+impl Feel {
+    /// Of a race car: light, long, with a lock of 16 degrees and brakes of its own.
+    const RACE_CAR: Self = Self {
+        throttle_s2_per_m: 0.03,
+        holding_s_per_m: 0.012,
+        creeping_s_per_m: 0.02,
+        creep_m_per_s: 2.0,
+        brake_s2_per_m: 0.09,
+        late_s: 0.15,
+        steering_rad: 0.2793,
+        wheelbase_m: 2.9718,
+        before_rear_axle_m: 1.2933,
+    };
+
+    /// Of a car that ships with the program.
+    #[must_use]
+    pub fn of(model: Model) -> Self {
+        match model {
+            Model::Vehicross => Self::default(),
+            Model::Av21 => Self::RACE_CAR,
         }
     }
 }

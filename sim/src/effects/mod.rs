@@ -11,6 +11,7 @@ pub mod command_scale;
 pub mod depth_for_range;
 pub mod drag;
 pub mod dropouts;
+pub mod engine_torque;
 pub mod false_sightings;
 pub mod focal_error;
 pub mod ground_friction;
@@ -143,6 +144,7 @@ effects! {
     landmark_moved => LandmarkMoved,
     throttle_delay => ThrottleDelay,
     throttle_deadband => ThrottleDeadband,
+    engine_torque => EngineTorque,
     brake_fade => BrakeFade,
     steering_offset => SteeringOffset,
     steering_ratio => SteeringRatio,

@@ -50,6 +50,22 @@ fn play_takes_all_of_a_light_foot_and_little_of_a_heavy_one() {
     assert!(played > 0.9 * heavy && played < heavy, "{played} {heavy}");
 }
 
+/// A tired engine pulls less; with the foot off the throttle it brakes as a fresh one does.
+#[test]
+fn a_tired_engine_pulls_less_and_brakes_as_much() {
+    let drive = |ratio: f64| {
+        let mut car = car_with("engine_torque", "ratio", ratio);
+        let pulled_s = until(&mut car, pedals(0.4, 0.0, 0.0), |car| speed_m_per_s(car) > 10.0);
+        hold(&mut car, pedals(0.0, 0.0, 0.0), 1.0);
+        let before = speed_m_per_s(&car);
+        hold(&mut car, pedals(0.0, 0.0, 0.0), 2.0);
+        (pulled_s, before - speed_m_per_s(&car))
+    };
+    let ((fresh_s, slowed), (tired_s, slowed_tired)) = (drive(1.0), drive(0.6));
+    assert!(tired_s > 1.4 * fresh_s, "{tired_s} {fresh_s}");
+    assert!((slowed_tired / slowed - 1.0).abs() < 0.1 && slowed > 0.5, "{slowed_tired} {slowed}");
+}
+
 #[test]
 fn a_second_stop_on_fading_brakes_takes_longer_and_one_after_a_rest_less() {
     let mut plain = car_with("brake_fade", "fade_per_mj", 0.0);

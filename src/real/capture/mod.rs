@@ -9,6 +9,7 @@
 
 mod motion;
 mod sightings;
+pub mod steering;
 
 use std::collections::BTreeMap;
 

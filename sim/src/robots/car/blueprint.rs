@@ -5,8 +5,27 @@ use urdf_rs::{Geometry, Joint, Link, Robot};
 
 use super::BuildError;
 
-/// The car, as shipped with the program.
-pub const URDF: &str = include_str!("../../../../urdf/vehicross.urdf");
+/// Which car: the bodies that are shipped with the program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Model {
+    /// An Isuzu VehiCross of 1999.
+    #[default]
+    Vehicross,
+    /// A Dallara AV-21, a race car without a driver.
+    Av21,
+}
+
+impl Model {
+    /// Its body's URDF.
+    #[must_use]
+    pub fn urdf(self) -> &'static str {
+        match self {
+            Model::Vehicross => include_str!("../../../../urdf/vehicross.urdf"),
+            Model::Av21 => include_str!("../../../../urdf/av21.urdf"),
+        }
+    }
+}
 
 /// The wheels in their order everywhere.
 pub const WHEELS: [&str; 4] = ["front_left", "front_right", "rear_left", "rear_right"];
@@ -60,12 +79,12 @@ pub struct Blueprint {
 }
 
 impl Blueprint {
-    /// The shipped car.
+    /// A shipped car.
     ///
     /// # Errors
-    /// If the text lacks a part; the shipped one does not.
-    pub fn shipped() -> Result<Self, BuildError> {
-        Self::parse(URDF)
+    /// If the text lacks a part; the shipped ones do not.
+    pub fn shipped(model: Model) -> Result<Self, BuildError> {
+        Self::parse(model.urdf())
     }
 
     /// Reads a car with the shipped one's names.

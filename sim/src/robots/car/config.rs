@@ -1,5 +1,7 @@
 //! Every number of the car that a scenario may set and that its URDF does not hold.
 
+use super::blueprint::Model;
+
 asami_dataset::parameters! {
     /// How the engine steps.
     pub struct Physics {
@@ -141,5 +143,9 @@ asami_dataset::tables! {
         brake: Brake;
         /// `[car.steering]`
         steering: Steering;
+    }
+    keys {
+        /// Whose body it has.
+        body: Model;
     }
 }

@@ -34,7 +34,8 @@ impl Drivetrain {
         self.ratio
     }
 
-    /// Torque on all driven wheels together, one step on. `torque_ratio` is a factor on the engine's torque.
+    /// Torque on all driven wheels together, one step on. `torque_ratio` is a factor on what the engine
+    /// gives before its own friction.
     pub fn step(&mut self, throttle: f64, wheels_rad_per_s: f64, radius_m: f64, torque_ratio: f64, dt_s: f64) -> f64 {
         self.change(throttle, wheels_rad_per_s * radius_m + self.faster_m_per_s, dt_s);
         let geared = self.ratio * self.config.final_ratio;
@@ -48,14 +49,15 @@ impl Drivetrain {
         // From its stall value to 1 where the pump's wheel begins to turn with the turbine's.
         let multiplied = (1.0 + (stall - 1.0) * (slip - COUPLING) / (1.0 - COUPLING)).clamp(1.0, stall);
 
-        let torque_n_m = torque_ratio * self.engine_n_m(throttle) - impeller_n_m;
+        let torque_n_m = self.engine_n_m(throttle, torque_ratio) - impeller_n_m;
         let least = 0.3 * self.config.idle_rad_per_s;
         self.engine_rad_per_s = (engine + torque_n_m * dt_s / self.config.inertia_kg_m2).max(least);
         impeller_n_m * multiplied * geared * self.config.efficiency
     }
 
-    /// Torque of the engine: a closed throttle starves it the more the faster it turns.
-    fn engine_n_m(&self, throttle: f64) -> f64 {
+    /// Torque of the engine: a closed throttle starves it the more the faster it turns. `torque_ratio` is a factor on what it
+    /// gives before its own friction.
+    fn engine_n_m(&self, throttle: f64, torque_ratio: f64) -> f64 {
         let (config, engine) = (&self.config, self.engine_rad_per_s);
         let drag_n_m = config.drag_n_m + config.drag_n_m_s_per_rad * engine;
         let governor = (GOVERNOR_S_PER_RAD * (config.idle_rad_per_s - engine)).max(0.0);
@@ -64,7 +66,7 @@ impl Drivetrain {
         let bypass = idle_n_m / config.full_torque_n_m * config.idle_rad_per_s / config.full_breath_rad_per_s;
         let breath = (throttle + bypass + governor) * config.full_breath_rad_per_s / engine;
         let load = breath / (1.0 + breath * breath).sqrt();
-        config.full_torque_n_m * load - drag_n_m
+        torque_ratio * config.full_torque_n_m * load - drag_n_m
     }
 
     fn change(&mut self, throttle: f64, speed_m_per_s: f64, dt_s: f64) {
@@ -112,7 +114,7 @@ mod tests {
         let config = Engine::default();
         let (drivetrain, torque_n_m) = settled(1.0, 0.0);
         let engine = drivetrain.engine_rad_per_s;
-        let impeller_n_m = drivetrain.engine_n_m(1.0);
+        let impeller_n_m = drivetrain.engine_n_m(1.0, 1.0);
         assert!((impeller_n_m - config.converter_n_m_s2 * engine * engine).abs() < 1e-6);
         let wanted_n_m =
             impeller_n_m * config.stall_ratio * config.first_ratio * config.final_ratio * config.efficiency;

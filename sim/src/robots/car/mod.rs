@@ -13,6 +13,7 @@ pub mod drivetrain;
 pub mod wheel;
 pub mod world;
 
+pub use blueprint::Model;
 pub use config::CarConfig;
 pub use world::{CarWorld, Start};
 

@@ -75,7 +75,7 @@ impl CarWorld {
         start: Start,
         seed: Seed,
     ) -> Result<Self, BuildError> {
-        let blueprint = Blueprint::shipped()?;
+        let blueprint = Blueprint::shipped(config.body)?;
         let (steering_rad, radius_m) = (blueprint.steering_rad, blueprint.wheels[0].radius_m);
         let turned = std::f64::consts::FRAC_PI_2 + start.theta_rad;
         let facing = yawed(turned);

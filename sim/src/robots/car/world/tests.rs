@@ -1,5 +1,6 @@
 use asami_dataset::Dataset;
 
+use super::super::blueprint::Model;
 use super::*;
 use crate::drives::driver::{Driver, Driving, Feel};
 use crate::drives::hold::Hold;
@@ -52,7 +53,7 @@ fn same_seed_same_bits_other_seed_other_bits() {
 #[test]
 fn stands_as_its_masses_say() {
     let world = level();
-    let blueprint = Blueprint::shipped().unwrap();
+    let blueprint = Blueprint::shipped(Model::default()).unwrap();
     let loads = world.body().wheels().each_ref().map(|wheel| wheel.load_n());
     let weight_n = blueprint.mass_kg * 9.81;
     assert!((loads.iter().sum::<f64>() - weight_n).abs() < 1e-3 * weight_n, "{loads:?} of {weight_n}");
@@ -161,7 +162,7 @@ fn turns_about_the_centre_that_its_wheels_point_at() {
     let after = world.pose();
     let turned_rad = wrap_rad(after.theta_rad - before.theta_rad);
     let curvature = turned_rad / (0.5 * (before.v_m_per_s.unwrap() + after.v_m_per_s.unwrap()));
-    let wanted = asami_math::elementary::tan(0.5 * 0.6) / Blueprint::shipped().unwrap().wheelbase_m();
+    let wanted = asami_math::elementary::tan(0.5 * 0.6) / Blueprint::shipped(Model::default()).unwrap().wheelbase_m();
     assert!((curvature / wanted - 1.0).abs() < 0.03, "{curvature} against {wanted} per metre");
 }
 
@@ -180,7 +181,7 @@ fn a_car_rolling_down_a_hill_keeps_its_energy() {
     let (y1_m, v1) = (world.pose().y_m, speed_m_per_s(&world));
     let angle = asami_math::elementary::atan(f64::from(slope));
     let (sin, cos) = asami_math::elementary::sin_cos(angle);
-    let blueprint = Blueprint::shipped().unwrap();
+    let blueprint = Blueprint::shipped(Model::default()).unwrap();
     let wheels_kg = 4.0 * blueprint.wheels[0].inertia_kg_m2 / (0.353 * 0.353);
     // Poses are level: way and speed along the hill are 1 / cos of them.
     let kinetic = 0.5 * (blueprint.mass_kg + wheels_kg) * (v1 * v1 - v0 * v0) / (cos * cos);
@@ -272,4 +273,16 @@ fn an_endless_plane_is_a_level_one() {
         assert!((a.x_m - b.x_m).hypot(a.y_m - b.y_m) < 2e-3 && (a.theta_rad - b.theta_rad).abs() < 1e-4, "{a:?} {b:?}");
     }
     assert!(worlds[1].pose().y_m > 5.0);
+}
+
+/// The race car weighs what its specification says, is where that says it is, and turns as it says.
+#[test]
+fn the_race_car_is_as_specified() {
+    let race = Blueprint::shipped(Model::Av21).unwrap();
+    assert!((race.mass_kg - 815.11).abs() < 0.01, "{}", race.mass_kg);
+    assert!((race.wheelbase_m() - 2.9718).abs() < 1e-4);
+    let behind_front_m = race.wheels[0].hub_m.x - race.centre_of_mass_m.x;
+    assert!((behind_front_m - 1.6785).abs() < 1e-3, "{behind_front_m}");
+    let own = race.inertia_kg_m2.diagonal();
+    assert!((own - Vector3::new(265.0, 550.0, 800.0)).amax() < 1.0, "{own}");
 }
