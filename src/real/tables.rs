@@ -170,8 +170,9 @@ fn logs(results: &Results) -> Table {
     ];
     let mut table = Table::new("Real logs", &heads).caption(
         "Effects in the order in which they are named, the most evident first. Closed: the share of the gap, on held-out blocks, \
-         that they close; unknown: the share that remains, and the flexible block that it shows in. By motion capture: the \
-         discrepancy of motion that by itself explains most (scale of speeds, bend of straight lines, delay, lag), and its share. \
+         that they close; unknown: the share that remains, and the flexible block that it shows in. By motion capture, or of a car by \
+         inertial navigation: the discrepancy of motion that by itself explains most (scale of speeds, bend of straight lines, delay, \
+         lag; offset, ratio and lag of a steering), and its share. \
          Halves agree that have the same verdict and the same most evident effect.",
     );
     for record in results.records.iter().filter(|record| record.part == Part::Whole) {
@@ -213,7 +214,8 @@ fn held(results: &Results) -> Table {
     let heads =
         ["log", "robot", "parameter", "unit", "found", "90 % interval", "motion capture", "first half", "second half"];
     let mut table = Table::new("Sizes found in real logs, beside motion capture", &heads).caption(
-        "Motion capture's numbers are each of its own discrepancy alone: the best delay or the best lag, not both at once; a lag \
+        "Motion capture's numbers are each of its own discrepancy alone: the best delay or the best lag, not both at once; a car's, \
+         by inertial navigation, are of all three of its steering together; a lag \
          is on top of the nominal robot's own. Capture has a clock and a heading of its own: what a camera is late, or turned \
          against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing.",
     );
