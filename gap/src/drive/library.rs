@@ -294,16 +294,13 @@ impl Drives {
 
     /// Has these kinds of effects played when a log is read, as far as they act on how a car moves.
     pub fn play(&mut self, variants: &[Variant]) {
-        let acts = |variant: &&Variant| {
-            Shows::of(&with(&self.base.effects, variant, variant.sizes().1), variant.place()).in_motion
-        };
         let entry = |variant: &Variant| Entry {
             kind: variant.name(),
             sizes: Vec::new(),
             moved: Vec::new(),
             further: Vec::new(),
         };
-        self.entries = variants.iter().filter(acts).map(entry).collect();
+        self.entries = variants.iter().map(entry).collect();
     }
 
     /// The entries by kind.

@@ -8,7 +8,7 @@ effect! {
     EngineTorque, "engine_torque",
     "The engine gives less torque than nominally, whatever the throttle's opening.",
     Actuation, StaticMotion, fits ["car"],
-    source "air is 3 % thinner for every 300 m of height; pedal maps of drive-by-wire throttles open by half as much as is asked for",
+    source "air is 3 % thinner for every 300 m of height; an engine that lives on a turbocharger's boost lacks up to half without it",
     drawn [ratio: Size { way: Down, least: 0.004, greatest: 0.6 }],
     {
         /// Factor on the torque.

@@ -4,29 +4,19 @@
 //! Over windows in which the car is under way the turn is held against the way by the wheelbase, times the angle: without slip they
 //! are the same. The angle is what was commanded, through a lag, in proportion, and an angle on top.
 
-use asami_dataset::truth::pose_at;
-use asami_dataset::{Action, Command, Dataset, TruePose};
-use asami_math::angle::wrap_rad;
+use asami_dataset::{Action, Command, Dataset};
 use asami_math::elementary::exp;
 use asami_math::regression::Regression;
 use asami_sim::robots::car::CarConfig;
 use asami_sim::robots::car::blueprint::Blueprint;
 
-use super::{Capture, LEAST, STEP_S, WINDOW_S};
+use super::{Capture, LEAST, STEP_S, WINDOW_S, Window, windows};
 
 /// Slower cars are not under way.
 const UNDER_WAY_M_PER_S: f64 = 3.0;
 /// Lags that are tried, so far apart.
 const MOST_LAG_S: f64 = 1.2;
 const FINE_S: f64 = 0.01;
-
-/// A window under way.
-struct Window {
-    turn_rad: f64,
-    /// The way by the wheelbase.
-    rolled: f64,
-    from_s: f64,
-}
 
 /// Sums of squares of turns that are left, and what they are left by.
 struct Left {
@@ -39,7 +29,9 @@ struct Left {
 #[must_use]
 pub fn of_car(dataset: &Dataset, car: &CarConfig) -> Capture {
     let Ok(body) = Blueprint::shipped(car.body) else { return Capture::default() };
-    let windows = windows(&dataset.truth.track, body.wheelbase_m());
+    let under_way = |window: &Window| window.forward_m > UNDER_WAY_M_PER_S * WINDOW_S;
+    let windows: Vec<Window> = windows(&dataset.truth.track).into_iter().filter(under_way).collect();
+    let wheelbase_m = body.wheelbase_m();
     if windows.len() < LEAST {
         return Capture::default();
     }
@@ -48,12 +40,12 @@ pub fn of_car(dataset: &Dataset, car: &CarConfig) -> Capture {
         windows.iter().map(|it| steered.over(it.from_s)).collect::<Vec<f64>>()
     };
     let own = told(car.steering.lag_s);
-    let as_told = squares(&windows, &own, 0.0, 1.0);
-    let offset = left(&windows, &own, [true, false]);
-    let ratio = left(&windows, &own, [false, true]);
+    let as_told = squares((&windows, wheelbase_m), &own, 0.0, 1.0);
+    let offset = left((&windows, wheelbase_m), &own, [true, false]);
+    let ratio = left((&windows, wheelbase_m), &own, [false, true]);
     let lags: Vec<f64> = (0..=(MOST_LAG_S / FINE_S) as usize).map(|i| i as f64 * FINE_S).collect();
     let late = |frees: [bool; 2]| {
-        let of = |lag_s: &f64| (*lag_s, left(&windows, &told(car.steering.lag_s + lag_s), frees));
+        let of = |lag_s: &f64| (*lag_s, left((&windows, wheelbase_m), &told(car.steering.lag_s + lag_s), frees));
         lags.iter().map(of).reduce(|a, b| if b.1.squares < a.1.squares { b } else { a })
     };
     let (Some((_, lag)), Some((lag_s, all))) = (late([false, false]), late([true, true])) else {
@@ -72,43 +64,24 @@ pub fn of_car(dataset: &Dataset, car: &CarConfig) -> Capture {
 }
 
 /// What is left where an offset and a ratio are free, or not.
-fn left(windows: &[Window], told: &[f64], [offset, ratio]: [bool; 2]) -> Left {
+fn left((windows, wheelbase_m): (&[Window], f64), told: &[f64], [offset, ratio]: [bool; 2]) -> Left {
     let frees = [offset, ratio].into_iter().filter(|it| *it).count();
     let mut regression = Regression::new(frees);
     for (window, told) in windows.iter().zip(told) {
-        let columns = [(offset, window.rolled), (ratio, window.rolled * told)];
+        let columns = [(offset, window.forward_m / wheelbase_m), (ratio, window.forward_m / wheelbase_m * told)];
         let row: Vec<f64> = columns.into_iter().filter(|it| it.0).map(|it| it.1).collect();
-        let fixed = if ratio { 0.0 } else { window.rolled * told };
+        let fixed = if ratio { 0.0 } else { window.forward_m / wheelbase_m * told };
         regression.observe(&row, window.turn_rad - fixed, 1.0);
     }
     let mut found = regression.solve().map_or_else(Vec::new, |fit| fit.coefficients.clone()).into_iter();
     let offset_rad = if offset { found.next().unwrap_or(0.0) } else { 0.0 };
     let ratio = if ratio { found.next().unwrap_or(1.0) } else { 1.0 };
-    Left { offset_rad, ratio, squares: squares(windows, told, offset_rad, ratio) }
+    Left { offset_rad, ratio, squares: squares((windows, wheelbase_m), told, offset_rad, ratio) }
 }
 
-fn squares(windows: &[Window], told: &[f64], offset_rad: f64, ratio: f64) -> f64 {
-    let off = |(it, told): (&Window, &f64)| it.turn_rad - it.rolled * (offset_rad + ratio * told);
+fn squares((windows, wheelbase_m): (&[Window], f64), told: &[f64], offset_rad: f64, ratio: f64) -> f64 {
+    let off = |(it, told): (&Window, &f64)| it.turn_rad - it.forward_m / wheelbase_m * (offset_rad + ratio * told);
     windows.iter().zip(told).map(off).fold(0.0, |sum, off| sum + off * off)
-}
-
-fn windows(track: &[TruePose], wheelbase_m: f64) -> Vec<Window> {
-    let (Some(first), Some(last)) = (track.first(), track.last()) else { return Vec::new() };
-    let n = ((last.t_s - first.t_s) / WINDOW_S) as usize;
-    let window = |i: usize| {
-        let from_s = first.t_s + i as f64 * WINDOW_S;
-        let (mut way_m, mut turn_rad) = (0.0, 0.0);
-        let steps = (WINDOW_S / STEP_S).round() as usize;
-        let mut before = pose_at(track, from_s)?;
-        for k in 1..=steps {
-            let pose = pose_at(track, from_s + k as f64 * STEP_S)?;
-            way_m += asami_math::elementary::hypot(pose.x_m - before.x_m, pose.y_m - before.y_m);
-            turn_rad += wrap_rad(pose.theta_rad - before.theta_rad);
-            before = pose;
-        }
-        (way_m > UNDER_WAY_M_PER_S * WINDOW_S).then_some(Window { turn_rad, rolled: way_m / wheelbase_m, from_s })
-    };
-    (0..n).filter_map(window).collect()
 }
 
 /// The front wheels' angle as commanded, through a dead time and a lag.
@@ -151,7 +124,8 @@ impl Steered {
 
 #[cfg(test)]
 mod tests {
-    use asami_dataset::{Log, Truth};
+    use asami_dataset::{Log, TruePose, Truth};
+    use asami_math::angle::wrap_rad;
     use asami_math::elementary::{sin, sin_cos, tan};
 
     use super::*;
