@@ -154,7 +154,7 @@ impl Rows {
     /// What a drive says of the weight of a column: the inverse of its variance.
     fn information(&self, memory: &[Memory; 2], steps: &[Step], k: usize) -> f64 {
         let of_axis = |(memory, rows): (&Memory, &Vec<Vec<f64>>)| {
-            steps.iter().zip(rows).fold(0.0, |sum, (step, row)| sum + (row[k] / memory.spread_of(step)).powi(2))
+            rows.iter().enumerate().fold(0.0, |sum, (i, row)| sum + (row[k] / memory.spread_of(steps, i)).powi(2))
         };
         memory.iter().zip(&self.0).map(of_axis).fold(0.0, |sum, it| sum + it)
     }
@@ -269,7 +269,7 @@ mod tests {
         let (known, new) = (drives(48, "known"), drives(48, "new"));
         let learned: Vec<Nominally<'_>> = known.iter().map(|left| nominally(&steps, left)).collect();
         let (memory, between) = scatter(&learned);
-        assert!((memory[0].spread_of(&steps[0]) / NOISE - 1.0).abs() < 0.1, "{memory:?}");
+        assert!((memory[0].spread_of(&steps, 0) / NOISE - 1.0).abs() < 0.1, "{memory:?}");
         let all = |between: &Between| -> Vec<(f64, f64)> {
             new.iter().flat_map(|left| said(&memory, between, &nominally(&steps, left))).collect()
         };

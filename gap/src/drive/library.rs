@@ -18,11 +18,12 @@ use serde::{Deserialize, Serialize};
 use super::between::{self, Between, CLOCK_STEP_S, Column, Nominally, apart_s, scatter};
 use super::driven::Driven;
 use super::flexible;
+use super::gears::Gears;
 use super::law::{Law, plain_mean};
 use super::memory::Memory;
 use super::motion::{CannotFollow, Moved, Step};
 use super::read::Read;
-use super::road::left;
+use super::road::Ride;
 use super::scanner::{COUNT, IN_LOGARITHMS, Segment, segments};
 use crate::judge::Judge;
 use crate::library::{Budget, CannotLearn, FIRST_SEED, Responds, play};
@@ -94,17 +95,29 @@ impl std::fmt::Debug for Lately {
 }
 
 /// Motion and statistics of one drive.
-struct Drive {
+#[derive(Clone, Debug)]
+pub struct Drive {
     commands: Rows<Command>,
     steps: Vec<Step>,
+    gears: Gears,
     left: Vec<[f64; 2]>,
     segments: Vec<Segment>,
 }
 
 impl Drive {
+    /// Of its commands, its motion and its statistics.
+    #[must_use]
+    pub fn new(commands: Rows<Command>, steps: Vec<Step>, segments: Vec<Segment>) -> Self {
+        Self { commands, steps, gears: Gears::default(), left: Vec::new(), segments }
+    }
+
     fn of(run: &Dataset) -> Result<Self, CannotLearn> {
         let (moved, segments) = scanned(&run.log)?;
-        Ok(Self { commands: run.log.commands.clone(), steps: moved.steps, left: Vec::new(), segments })
+        Ok(Self::new(run.log.commands.clone(), moved.steps, segments))
+    }
+
+    fn ride<'a>(&'a self, car: &'a CarConfig) -> Ride<'a> {
+        Ride { car, commands: &self.commands, steps: &self.steps }
     }
 }
 
@@ -117,6 +130,14 @@ pub(super) fn scanned(log: &Log) -> Result<(Moved<'_>, Vec<Segment>), CannotFoll
     Ok((moved, segments))
 }
 
+/// Finds the gears of every drive.
+fn find_gears(car: &CarConfig, effects: &Effects, drives: &mut [Drive], ahead_s: f64) -> Result<(), CannotPlay> {
+    drives.par_iter_mut().with_max_len(1).try_for_each(|it| {
+        it.gears = Gears::found(&it.ride(car), effects, ahead_s)?;
+        Ok(())
+    })
+}
+
 /// What the drives leave with the scanner's clock so far ahead, and the ways in which it may be off.
 fn nominally<'a>(
     car: &CarConfig,
@@ -125,8 +146,9 @@ fn nominally<'a>(
     ahead_s: f64,
 ) -> Result<Vec<Nominally<'a>>, CannotPlay> {
     let columns = drives.par_iter_mut().with_max_len(1).map(|it| {
-        it.left = left(car, effects, &it.commands, &it.steps, ahead_s)?;
-        let later = left(car, effects, &it.commands, &it.steps, ahead_s + CLOCK_STEP_S)?;
+        let left = |ahead_s: f64| it.ride(car).left(effects, ahead_s, &it.gears);
+        let later = left(ahead_s + CLOCK_STEP_S)?;
+        it.left = left(ahead_s)?;
         Ok(between::columns(&flexible::columns(&it.steps, &it.commands), &it.left, &later))
     });
     let columns: Vec<Vec<Column>> = columns.collect::<Result<_, CannotPlay>>()?;
@@ -150,7 +172,20 @@ impl Base {
         };
         let drives: Vec<Option<Drive>> =
             seeds.into_par_iter().with_max_len(1).map(drive).collect::<Result<_, CannotLearn>>()?;
-        let first = drives.iter().take(budget.runs as usize).map(|drive| {
+        Self::of(car, effects, drives, budget.runs as usize)
+    }
+
+    /// What nominal drives say; the first `kept` of them are what effects are held against.
+    ///
+    /// # Errors
+    /// If the car cannot be played, or there are hardly any drives.
+    pub fn of(
+        car: &CarConfig,
+        effects: &Effects,
+        drives: Vec<Option<Drive>>,
+        kept: usize,
+    ) -> Result<Self, CannotLearn> {
+        let first = drives.iter().take(kept).map(|drive| {
             let values = |segment: &Segment| segment.values.map(|it| it.is_finite().then_some(it));
             drive.as_ref().map_or_else(Vec::new, |drive| drive.segments.iter().map(values).collect())
         });
@@ -160,9 +195,11 @@ impl Base {
             return Err(CannotLearn::Blind);
         }
         let mut ahead_s = 0.0;
+        find_gears(car, effects, &mut drives, ahead_s)?;
         for _ in 0..CLOCK_ROUNDS {
             ahead_s -= apart_s(&nominally(car, effects, &mut drives, ahead_s)?);
         }
+        find_gears(car, effects, &mut drives, ahead_s)?;
         let (memory, between) = scatter(&nominally(car, effects, &mut drives, ahead_s)?);
         let law = Law::learn(&drives.into_iter().map(|it| it.segments).collect::<Vec<_>>());
         Ok(Self { car: car.clone(), effects: effects.clone(), ahead_s, memory, between, law, first })

@@ -9,10 +9,26 @@ use super::motion::Step;
 
 /// As many steps back is remembered.
 const ORDER: usize = 3;
-/// Standing, under way, turning: each scatters in its own way.
-const CLASSES: usize = 3;
-/// The first of them.
+/// Each scatters in its own way.
+const CLASSES: usize = 8;
 const STANDING: usize = 0;
+const UNDER_WAY: usize = 1;
+const TURNING: usize = 2;
+/// The last step under way, and the first of a car that stands. A car that is played comes to a stand a little earlier or later
+/// than the one that was seen, and for half a second the two have nothing in common.
+const BRAKED: usize = 3;
+const STOPPING: usize = 4;
+/// A car that came to a stand rocks on its springs.
+const ROCKING: usize = 5;
+/// The last step of a car that stands, and the first ones under way.
+const LEAVING: usize = 6;
+const STARTING: usize = 7;
+/// So many steps after it came to a stand a car rocks, the first one apart.
+const ROCKS: usize = 2;
+/// So many are first ones under way.
+const STARTS: usize = 2;
+/// As many steps back tell.
+const LATELY: usize = 3;
 /// Share of steps that are something else: a gear changed elsewhere, scans that were matched to something else.
 pub(super) const ASTRAY: f64 = 0.02;
 /// How much farther those scatter.
@@ -50,13 +66,33 @@ pub struct Fresh {
     pub genuine: bool,
 }
 
-/// The class of a step.
-fn class(step: &Step) -> usize {
-    if step.v_m_per_s.abs() < STANDING_M_PER_S {
-        STANDING
-    } else {
-        1 + usize::from(step.omega_rad_per_s.abs() > TURNING_RAD_PER_S)
+/// Whether the car stands.
+pub(super) fn stands(step: &Step) -> bool {
+    step.v_m_per_s.abs() < STANDING_M_PER_S
+}
+
+/// The class of a step, by whether the car stands in it, before it and after it.
+fn class(steps: &[Step], i: usize) -> usize {
+    let now = stands(&steps[i]);
+    let lasted = steps[i.saturating_sub(LATELY)..i].iter().rev().take_while(|step| stands(step) == now).count();
+    // What came before the first step is not known.
+    let began = lasted < i;
+    let changes = steps.get(i + 1).is_some_and(|next| stands(next) != now);
+    match now {
+        true if began && lasted == 0 => STOPPING,
+        true if changes => LEAVING,
+        true if began && lasted <= ROCKS => ROCKING,
+        true => STANDING,
+        false if changes => BRAKED,
+        false if began && lasted < STARTS => STARTING,
+        false if steps[i].omega_rad_per_s.abs() > TURNING_RAD_PER_S => TURNING,
+        false => UNDER_WAY,
     }
+}
+
+/// Whether something is kept of what was left before: a car that stands, or comes to it, has no speed to keep.
+fn keeps(class: usize) -> bool {
+    matches!(class, UNDER_WAY | TURNING | BRAKED | STARTING)
 }
 
 /// Whether no step is missing of those that are remembered at step `i`.
@@ -81,7 +117,7 @@ impl Memory {
         let mut memory = Self { spread: [1.0; CLASSES], ..Self::default() };
         for (class_of, mean) in memory.mean.iter_mut().enumerate() {
             let of = |(steps, left): &(&[Step], Vec<f64>)| -> Vec<f64> {
-                steps.iter().zip(left).filter(|(step, _)| class(step) == class_of).map(|(_, left)| *left).collect()
+                left.iter().enumerate().filter(|(i, _)| class(steps, *i) == class_of).map(|(_, left)| *left).collect()
             };
             let mut all: Vec<f64> = logs.iter().flat_map(of).collect();
             all.sort_by(f64::total_cmp);
@@ -102,18 +138,18 @@ impl Memory {
     }
 
     fn again(&self, logs: &[(&[Step], Vec<f64>)]) -> Self {
-        let first = self.spread[1] == 1.0;
+        let first = self.spread[UNDER_WAY] == 1.0;
         let mut regression = Regression::new(ORDER);
         let mut sums = [[1e-12; 2]; CLASSES];
         for (steps, left) in logs {
             for i in ORDER..steps.len() {
-                let (Some(before), class) = (self.before(steps, left, i), class(&steps[i])) else { continue };
+                let (Some(before), class) = (self.before(steps, left, i), class(steps, i)) else { continue };
                 let now = left[i] - self.mean[class];
                 let off = now - self.kept_of(class, &before);
                 let squares = (off / self.spread[class]) * (off / self.spread[class]);
                 let usual = first || contaminated(squares, 1.0, 0.0).1;
                 if usual {
-                    if class != STANDING {
+                    if keeps(class) {
                         regression.observe(&before, now, 1.0 / (self.spread[class] * self.spread[class]));
                     }
                     sums[class][0] += off * off;
@@ -133,19 +169,19 @@ impl Memory {
 
     /// What was left before step `i`, the nearest first; `None` where a step is missing.
     fn before(&self, steps: &[Step], left: &[f64], i: usize) -> Option<[f64; ORDER]> {
-        remembers(steps, i).then(|| std::array::from_fn(|k| left[i - 1 - k] - self.mean[class(&steps[i - 1 - k])]))
+        remembers(steps, i).then(|| std::array::from_fn(|k| left[i - 1 - k] - self.mean[class(steps, i - 1 - k)]))
     }
 
-    /// What a step of a class keeps of those before: a car that stands has no speed to keep.
+    /// What a step of a class keeps of those before.
     fn kept_of(&self, class: usize, before: &[f64; ORDER]) -> f64 {
-        if class == STANDING { 0.0 } else { self.kept.iter().zip(before).fold(0.0, |sum, (k, b)| sum + k * b) }
+        if keeps(class) { self.kept.iter().zip(before).fold(0.0, |sum, (k, b)| sum + k * b) } else { 0.0 }
     }
 
     /// What step `i` says, were scatter `exp(louder)` times as great, and were something else in it of this mean and
     /// variance; `None` where steps before it are missing.
     #[must_use]
     pub fn fresh(&self, steps: &[Step], left: &[f64], i: usize, louder: f64, beside: [f64; 2]) -> Option<Fresh> {
-        let class = class(&steps[i]);
+        let class = class(steps, i);
         let before = self.before(steps, left, i)?;
         let expected = self.mean[class] + self.kept_of(class, &before);
         let own = self.spread[class] * exp(louder);
@@ -162,13 +198,13 @@ impl Memory {
         if !remembers(steps, i) {
             return 0.0;
         }
-        column[i] - self.kept_of(class(&steps[i]), &std::array::from_fn(|k| column[i - 1 - k]))
+        column[i] - self.kept_of(class(steps, i), &std::array::from_fn(|k| column[i - 1 - k]))
     }
 
-    /// Standard deviation of what is new in a step.
+    /// Standard deviation of what is new in step `i`.
     #[must_use]
-    pub fn spread_of(&self, step: &Step) -> f64 {
-        self.spread[class(step)]
+    pub fn spread_of(&self, steps: &[Step], i: usize) -> f64 {
+        self.spread[class(steps, i)]
     }
 
     /// As many steps say nothing by themselves.
@@ -191,6 +227,36 @@ mod tests {
         let sum: f64 =
             (-4000..4000).map(|i| width * contaminated((f64::from(i) * width).powi(2), 1.0, 0.0).0.exp()).sum();
         assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+    }
+
+    #[test]
+    fn a_stop_is_apart_from_standing_and_driving() {
+        let speeds = [0.0, 0.0, 4.0, 5.0, 5.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0];
+        let turning = |i: usize| if i == 4 { 0.3 } else { 0.0 };
+        let moving = |(i, v): (usize, &f64)| Step { v_m_per_s: *v, omega_rad_per_s: turning(i), ..step(i) };
+        let steps: Vec<Step> = speeds.iter().enumerate().map(moving).collect();
+        let classes: Vec<usize> = (0..steps.len()).map(|i| class(&steps, i)).collect();
+        let wanted = [
+            STANDING, LEAVING, STARTING, STARTING, TURNING, BRAKED, STOPPING, ROCKING, ROCKING, STANDING, STANDING,
+            LEAVING, STARTING,
+        ];
+        assert_eq!(classes, wanted);
+    }
+
+    /// Where a car stops, something else is left than under way: what stops scatter in does not scatter what is under way.
+    #[test]
+    fn stops_scatter_by_themselves() {
+        let mut rng = Seed(5).stream("drive/memory/stops");
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let stands = |i: usize| i % 20 >= 14;
+        let speed = |i: usize| if stands(i) { 0.0 } else { 5.0 };
+        let steps: Vec<Step> = (0..8000).map(|i| Step { v_m_per_s: speed(i), ..step(i) }).collect();
+        let scatter = |i: usize| [0.02, 0.5][usize::from(class(&steps, i) == STOPPING)];
+        let left: Vec<f64> = (0..steps.len()).map(|i| scatter(i) * normal()).collect();
+        let memory = Memory::learn(&[(&steps, left)]);
+        assert!((memory.spread[UNDER_WAY] / 0.02 - 1.0).abs() < 0.05, "{memory:?}");
+        assert!((memory.spread[STOPPING] / 0.5 - 1.0).abs() < 0.15, "{memory:?}");
+        assert!((memory.spread[STANDING] / 0.02 - 1.0).abs() < 0.2, "{memory:?}");
     }
 
     /// An autoregression of first order with 0.8 and a scatter of 0.02, a step in fifty of them somewhere else.

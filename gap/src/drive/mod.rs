@@ -8,6 +8,7 @@
 pub mod between;
 pub mod driven;
 pub mod flexible;
+pub mod gears;
 pub mod ground;
 pub mod law;
 pub mod library;

@@ -6,10 +6,11 @@ use rayon::prelude::*;
 
 use super::between::{self, CLOCK_STEP_S, Rows as Differ};
 use super::flexible::{Flexible, columns};
+use super::gears::Gears;
 use super::library::{Base, Drives, Shows, scanned, with};
 use super::memory::Memory;
 use super::motion::Step;
-use super::road::{Left, left};
+use super::road::{Left, Ride};
 use super::scanner::Segment;
 use crate::nominal::CannotPlay;
 use crate::plant::{Planted, Variant};
@@ -75,11 +76,11 @@ impl Played {
 
 /// How far a change is off a share of another one.
 fn bent_nats(base: &Base, steps: &[Step], change: &[Left], other: &[Left], share: f64) -> f64 {
-    let of = |(step, (a, b)): (&Step, (&Left, &Left))| {
-        let off = |axis: usize| (a[axis] - share * b[axis]) / base.memory[axis].spread_of(step);
+    let of = |(i, (a, b)): (usize, (&Left, &Left))| {
+        let off = |axis: usize| (a[axis] - share * b[axis]) / base.memory[axis].spread_of(steps, i);
         0.5 * (off(0) * off(0) + off(1) * off(1))
     };
-    steps.iter().zip(change.iter().zip(other)).map(of).fold(0.0, |sum, it| sum + it)
+    change.iter().zip(other).enumerate().map(of).fold(0.0, |sum, it| sum + it)
 }
 
 /// A log, read: its motion, what is left of it, its statistics.
@@ -122,7 +123,7 @@ impl Read {
 
     /// Plays the commands of a drive of which motion and statistics are known. What each kind of effect changes is played with
     /// `held` in the world: changes are taken for additive, and are so only near there.
-    pub(crate) fn of(
+    pub fn of(
         library: &Drives,
         commands: &Rows<Command>,
         (steps, segments): (Vec<Step>, Vec<Segment>),
@@ -130,11 +131,13 @@ impl Read {
     ) -> Result<Self, CannotPlay> {
         let base = &library.base;
         let first = settled(&steps);
-        let play = |effects: &Effects, ahead_s: f64| left(&base.car, effects, commands, &steps, base.ahead_s + ahead_s);
+        let ride = Ride { car: &base.car, commands, steps: &steps };
         let beside = |name: &str| {
             let others = held.iter().filter(|it| it.variant.about.name != name);
             others.fold(base.effects.clone(), |effects, it| with(&effects, &it.variant, it.size))
         };
+        let gears = Gears::found(&ride, &beside(""), base.ahead_s)?;
+        let play = |effects: &Effects, ahead_s: f64| ride.left(effects, base.ahead_s + ahead_s, &gears);
         let all = Variant::all("car", 0, &[]);
         let kinds: Vec<&Variant> = all
             .iter()

@@ -7,6 +7,15 @@ const COUPLING: f64 = 0.2;
 /// How much throttle the governor gives for each rad/s below idle.
 const GOVERNOR_S_PER_RAD: f64 = 0.02;
 
+/// What the gearbox is in, or is changing to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gear {
+    /// The first.
+    First,
+    /// The second.
+    Second,
+}
+
 /// State of engine and gearbox.
 #[derive(Clone, Debug)]
 pub struct Drivetrain {
@@ -18,6 +27,8 @@ pub struct Drivetrain {
     ratio: f64,
     /// How far the speed by which it changes gear is above the wheels' own.
     pub faster_m_per_s: f64,
+    /// The gear that it is told to be in, if any.
+    pub told: Option<Gear>,
 }
 
 impl Drivetrain {
@@ -25,13 +36,19 @@ impl Drivetrain {
     #[must_use]
     pub fn new(config: Engine) -> Self {
         let (engine_rad_per_s, ratio) = (config.idle_rad_per_s, config.first_ratio);
-        Self { config, engine_rad_per_s, wanted_ratio: ratio, ratio, faster_m_per_s: 0.0 }
+        Self { config, engine_rad_per_s, wanted_ratio: ratio, ratio, faster_m_per_s: 0.0, told: None }
     }
 
     /// The gearbox' ratio, between two gears while it changes.
     #[must_use]
     pub fn ratio(&self) -> f64 {
         self.ratio
+    }
+
+    /// What it is in, or is changing to.
+    #[must_use]
+    pub fn gear(&self) -> Gear {
+        if self.wanted_ratio == self.config.second_ratio { Gear::Second } else { Gear::First }
     }
 
     /// Torque on all driven wheels together, one step on. `torque_ratio` is a factor on what the engine
@@ -71,10 +88,13 @@ impl Drivetrain {
 
     fn change(&mut self, throttle: f64, speed_m_per_s: f64, dt_s: f64) {
         let config = &self.config;
-        if speed_m_per_s > config.shift_up_m_per_s + config.shift_up_throttle_m_per_s * throttle {
-            self.wanted_ratio = config.second_ratio;
-        } else if speed_m_per_s < config.shift_down_m_per_s {
-            self.wanted_ratio = config.first_ratio;
+        let up = speed_m_per_s > config.shift_up_m_per_s + config.shift_up_throttle_m_per_s * throttle;
+        let by_itself =
+            if up { Some(Gear::Second) } else { (speed_m_per_s < config.shift_down_m_per_s).then_some(Gear::First) };
+        match self.told.or(by_itself) {
+            Some(Gear::Second) => self.wanted_ratio = config.second_ratio,
+            Some(Gear::First) => self.wanted_ratio = config.first_ratio,
+            None => {}
         }
         self.ratio += (self.wanted_ratio - self.ratio) * dt_s / (config.shift_lag_s + dt_s);
     }
@@ -106,6 +126,23 @@ mod tests {
         let torques: Vec<f64> = (0..5).map(|i| settled(0.25 * f64::from(i), 10.0).1).collect();
         assert!(torques.is_sorted(), "{torques:?}");
         assert!(settled(0.0, 20.0).1 < 0.0);
+    }
+
+    /// By itself it is in the second gear at 10 m/s and in the first at 2 m/s.
+    #[test]
+    fn gears_are_those_it_is_told_whatever_the_speed() {
+        for (wheels_rad_per_s, told) in [(10.0 / 0.375, Gear::First), (2.0 / 0.375, Gear::Second)] {
+            let (mut drivetrain, _) = settled(0.1, wheels_rad_per_s);
+            assert_ne!(drivetrain.gear(), told);
+            drivetrain.told = Some(told);
+            for _ in 0..4000 {
+                drivetrain.step(0.1, wheels_rad_per_s, 0.375, 1.0, 0.0025);
+            }
+            let config = Engine::default();
+            let wanted = if told == Gear::First { config.first_ratio } else { config.second_ratio };
+            assert_eq!(drivetrain.gear(), told);
+            assert!((drivetrain.ratio() - wanted).abs() < 1e-6);
+        }
     }
 
     /// A stalled converter gives its impeller's torque, multiplied; the balance of torques at the impeller says how much.

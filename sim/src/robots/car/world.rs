@@ -11,7 +11,7 @@ use super::blueprint::Blueprint;
 use super::body::{Body, Controls, Setting};
 use super::brakes::Brakes;
 use super::config::CarConfig;
-use super::drivetrain::Drivetrain;
+use super::drivetrain::{Drivetrain, Gear};
 use crate::effect::{CommandStage, Stage};
 use crate::effects::Effects;
 use crate::knobs::{GroundKnobs, Knobs, VehicleKnobs};
@@ -55,6 +55,8 @@ pub struct CarWorld {
     steering: Actuator,
     brakes: Brakes,
     drivetrain: Drivetrain,
+    told: Vec<Gear>,
+    gears: Vec<Gear>,
     body: Body,
     steering_rad: f64,
     radius_m: f64,
@@ -88,6 +90,8 @@ impl CarWorld {
             steering: actuator(config.steering.delay_s, config.steering.lag_s, fast),
             brakes: Brakes::default(),
             drivetrain: Drivetrain::new(config.engine.clone()),
+            told: Vec::new(),
+            gears: Vec::new(),
             body: Body::new(config, blueprint, ground, [start.x_m, start.y_m], facing)?,
             nominal: Knobs {
                 ground: GroundKnobs { friction: config.physics.friction, ..GroundKnobs::default() },
@@ -144,6 +148,17 @@ impl CarWorld {
     /// Lets the gearbox change, from the next step on, as if the wheels were so much faster.
     pub fn shift_as_if(&mut self, faster_m_per_s: f64) {
         self.drivetrain.faster_m_per_s = faster_m_per_s;
+    }
+
+    /// Has the gearbox in these gears, by step of the engine from the start, whatever the speed; in the last of them after that.
+    pub fn gear_as(&mut self, told: Vec<Gear>) {
+        self.told = told;
+    }
+
+    /// What the gearbox was in, or changing to, by step of the engine.
+    #[must_use]
+    pub fn gears(&self) -> &[Gear] {
+        &self.gears
     }
 
     fn now_s(&self) -> f64 {
@@ -239,7 +254,9 @@ impl World for CarWorld {
         for _ in 0..self.config.physics.steps_per_tick {
             let t_s = self.now_s();
             let action = self.command_stages.iter_mut().fold(action, |action, stage| stage(t_s, action));
+            self.drivetrain.told = self.told.get(self.gears.len()).or(self.told.last()).copied();
             self.step(action, &knobs);
+            self.gears.push(self.drivetrain.gear());
             self.steps += 1;
             record.sensor_poses.push(self.sensor_pose());
             if self.steps.is_multiple_of(u64::from(self.config.physics.steps_per_pose)) {
