@@ -42,6 +42,8 @@ pub struct Base {
     pub effects: Effects,
     /// How far the times of motions are ahead of the commands' even so: what matching scans does to the beginning of a step.
     pub ahead_s: f64,
+    /// One turn of the scanner's head.
+    pub turn_s: f64,
     /// How what is left of speed and turning rate scatters.
     pub memory: [Memory; 2],
     /// What drives differ in.
@@ -83,6 +85,8 @@ struct Lately(Mutex<Vec<(Arc<Firings>, Arc<Read>)>>);
 /// Nominal drives last so many times as long as those with effects: the first corner comes late.
 const LONGER: f64 = 2.0;
 
+/// Heads turn so fast unless the log says otherwise.
+const USUAL_HZ: f64 = 10.0;
 /// So often the clocks are set by what is left.
 const CLOCK_ROUNDS: usize = 3;
 /// As many.
@@ -102,18 +106,19 @@ pub struct Drive {
     gears: Gears,
     left: Vec<[f64; 2]>,
     segments: Vec<Segment>,
+    turn_s: f64,
 }
 
 impl Drive {
     /// Of its commands, its motion and its statistics.
     #[must_use]
-    pub fn new(commands: Rows<Command>, steps: Vec<Step>, segments: Vec<Segment>) -> Self {
-        Self { commands, steps, gears: Gears::default(), left: Vec::new(), segments }
+    pub fn new(commands: Rows<Command>, steps: Vec<Step>, segments: Vec<Segment>, turn_s: f64) -> Self {
+        Self { commands, steps, gears: Gears::default(), left: Vec::new(), segments, turn_s }
     }
 
     fn of(run: &Dataset) -> Result<Self, CannotLearn> {
         let (moved, segments) = scanned(&run.log)?;
-        Ok(Self::new(run.log.commands.clone(), moved.steps, segments))
+        Ok(Self::new(run.log.commands.clone(), moved.steps, segments, 1.0 / turn_rate_hz(&run.log)))
     }
 
     fn ride<'a>(&'a self, car: &'a CarConfig) -> Ride<'a> {
@@ -121,12 +126,15 @@ impl Drive {
     }
 }
 
+fn turn_rate_hz(log: &Log) -> f64 {
+    log.known.velodyne.as_ref().map_or(USUAL_HZ, |unit| unit.turn_rate_hz)
+}
+
 /// A log's motion and statistics.
 pub(super) fn scanned(log: &Log) -> Result<(Moved<'_>, Vec<Segment>), CannotFollow> {
     let moved = Moved::read(log)?;
-    let (turn_rate_hz, height_m) =
-        log.known.velodyne.as_ref().map_or((10.0, 2.0), |unit| (unit.turn_rate_hz, unit.sensor_height_m));
-    let segments = segments(&moved, turn_rate_hz, height_m);
+    let height_m = log.known.velodyne.as_ref().map_or(2.0, |unit| unit.sensor_height_m);
+    let segments = segments(&moved, turn_rate_hz(log), height_m);
     Ok((moved, segments))
 }
 
@@ -194,6 +202,7 @@ impl Base {
         if drives.len() < 3 {
             return Err(CannotLearn::Blind);
         }
+        let turn_s = drives.first().map_or(1.0 / USUAL_HZ, |drive| drive.turn_s);
         let mut ahead_s = 0.0;
         find_gears(car, effects, &mut drives, ahead_s)?;
         for _ in 0..CLOCK_ROUNDS {
@@ -202,7 +211,7 @@ impl Base {
         find_gears(car, effects, &mut drives, ahead_s)?;
         let (memory, between) = scatter(&nominally(car, effects, &mut drives, ahead_s)?);
         let law = Law::learn(&drives.into_iter().map(|it| it.segments).collect::<Vec<_>>());
-        Ok(Self { car: car.clone(), effects: effects.clone(), ahead_s, memory, between, law, first })
+        Ok(Self { car: car.clone(), effects: effects.clone(), ahead_s, turn_s, memory, between, law, first })
     }
 }
 
@@ -215,6 +224,8 @@ pub(super) struct Shows {
     pub in_scans: bool,
     /// How far it puts the scanner's clock ahead.
     pub ahead_s: f64,
+    /// And by how many turns of its head: what is given as seen when the turn began is seen half a turn late.
+    pub ahead_turns: f64,
 }
 
 impl Shows {
@@ -223,13 +234,15 @@ impl Shows {
         let (mut knobs, nominal) = (Knobs::default(), Knobs::default());
         effects.iter().for_each(|effect| effect.tune(0.0, &mut knobs));
         let ahead_s = knobs.velodyne.ahead_s;
+        let ahead_turns = 0.5 * knobs.velodyne.compensated;
         let loaded = knobs.vehicle.luggage_kg != 0.0 || knobs.vehicle.mass_ratio != 1.0;
         knobs.velodyne.ahead_s = 0.0;
         let senses = matches!(place, Place::Sensing | Place::Scene);
         Self {
-            in_motion: !senses || ahead_s != 0.0,
+            in_motion: !senses || ahead_s != 0.0 || ahead_turns != 0.0,
             in_scans: loaded || knobs.velodyne != nominal.velodyne || (senses && ahead_s == 0.0),
             ahead_s,
+            ahead_turns,
         }
     }
 }
@@ -321,6 +334,7 @@ impl Drives {
             car: car.clone(),
             effects: effects.clone(),
             ahead_s: 0.0,
+            turn_s: 1.0 / USUAL_HZ,
             memory: [Memory::default(); 2],
             between: Between::default(),
             law: Law::learn(&[]),

@@ -152,7 +152,8 @@ impl Read {
             let without = if own { play(&others, 0.0)? } else { with_all.clone() };
             let change = |size: f64| -> Result<Vec<Left>, CannotPlay> {
                 let effects = with(&others, variant, size);
-                let left = play(&effects, Shows::of(&effects, variant.place()).ahead_s)?;
+                let shows = Shows::of(&effects, variant.place());
+                let left = play(&effects, shows.ahead_s + shows.ahead_turns * base.turn_s)?;
                 Ok(left
                     .iter()
                     .zip(&without)
