@@ -14,6 +14,10 @@ const LEAST_SD: [f64; COUNT] =
 /// Statistics of which one segment in a hundred is far off for a cause of its own, a car that is overtaken by a bush, a house
 /// at the very seam: their odd values are taken out alone, and after the others, so that none is taken for odd with them.
 const ODD: [usize; 2] = [1, 13];
+/// Farther off than so many standard deviations is odd.
+const ODD_SDS: f64 = 4.0;
+/// Standard deviations are taken again so often without.
+const ODD_ROUNDS: usize = 3;
 
 /// Mean and covariances.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,6 +46,7 @@ impl Law {
     /// The law of nominal drives.
     #[must_use]
     pub fn learn(drives: &[Vec<Segment>]) -> Self {
+        let drives = &without_odd(drives.to_vec());
         let all: Vec<&Segment> = drives.iter().flatten().collect();
         let mean = std::array::from_fn(|k| robust_mean(all.iter().map(|it| it.values[k])));
         let mut within = vec![vec![0.0; COUNT]; COUNT];
@@ -145,6 +150,19 @@ impl Law {
     }
 }
 
+/// Drives whose odd values are gone.
+fn without_odd(mut drives: Vec<Vec<Segment>>) -> Vec<Vec<Segment>> {
+    for k in ODD {
+        for _ in 0..ODD_ROUNDS {
+            let mean = plain_mean(drives.iter().flatten().map(|it| it.values[k]));
+            let variance = plain_mean(drives.iter().flatten().map(|it| (it.values[k] - mean) * (it.values[k] - mean)));
+            let odd = |it: &&mut Segment| (it.values[k] - mean).abs() > ODD_SDS * variance.sqrt();
+            drives.iter_mut().flatten().filter(odd).for_each(|it| it.values[k] = f64::NAN);
+        }
+    }
+    drives
+}
+
 fn add(sum: &mut f64, n: &mut f64, term: f64) {
     if term.is_finite() {
         *sum += term;
@@ -222,6 +240,19 @@ mod tests {
         }
         // Half of 15 squares has variance 7.5; learning the law costs something.
         assert!((off / n).abs() < 4.0 * (7.5_f64 / n).sqrt() + 0.7, "{}", off / n);
+    }
+
+    #[test]
+    fn odd_values_do_not_widen_what_is_usual() {
+        let mut some = drives(100, 6);
+        let narrow = Law::learn(&some);
+        for (drive, k) in some.iter_mut().step_by(30).zip(ODD.into_iter().cycle()) {
+            drive[1].values[k] += 40.0 * narrow.sd(k);
+        }
+        let law = Law::learn(&some);
+        for k in ODD {
+            assert!((law.sd(k) / narrow.sd(k) - 1.0).abs() < 0.05, "{k}: {} {}", law.sd(k), narrow.sd(k));
+        }
     }
 
     /// What is odd in one statistic neither says much nor hides what the others say.
