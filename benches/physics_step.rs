@@ -2,6 +2,7 @@
 
 mod walk;
 
+use asami_sim::robots::aibo::engine::Engine as _;
 use criterion::{Criterion, criterion_group, criterion_main};
 
 fn physics_step(criterion: &mut Criterion) {

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use asami_sim::robots::aibo::BuildError;
 use asami_sim::robots::aibo::blueprint::JOINT_NAMES;
+use asami_sim::robots::aibo::engine::Engine as _;
 use serde_json::json;
 
 /// 10 s at the default time step.

@@ -87,7 +87,8 @@ pub fn generate(scenario: &Scenario, settings: &[Setting], seed: Seed) -> Result
     let mut known = (*dataset.log.known).clone();
     known.nominal = Some(scenario.name.clone());
     dataset.log.known = known.into();
-    dataset.provenance = Some(scenario.provenance(seed));
+    // Of another program's engine a scenario knows nothing.
+    dataset.provenance = simulation.engine.is_none().then(|| scenario.provenance(seed));
     // A survey takes minutes: a data set has one where one of this very world, effects and all, is kept.
     let folders = ["results/reference", "results"].map(|results| repository().join(results).join(&scenario.name));
     if dataset.truth.survey.is_none() {

@@ -30,6 +30,9 @@ pub enum CannotSimulate {
     /// There is no drive of it.
     #[error(transparent)]
     Ride(#[from] CannotRide),
+    /// Another program's engine stopped on the way.
+    #[error("the other engine failed: {0}")]
+    Engine(String),
 }
 
 impl Simulation {
@@ -100,18 +103,21 @@ impl Simulation {
     /// # Errors
     /// If the robot cannot be built.
     pub fn aibo_at(&self, start: Start, seed: Seed) -> Result<AiboWorld, aibo::BuildError> {
-        AiboWorld::new(&self.aibo, &self.field, &self.camera, &self.effects, start, seed)
+        let engine = self.engine.as_deref();
+        AiboWorld::in_engine(engine, &self.aibo, &self.field, &self.camera, &self.effects, start, seed)
     }
 
     /// The log of a case, and where the robot was.
     ///
     /// # Errors
-    /// If the robot cannot be built.
+    /// If the robot cannot be built, or another program's engine stops.
     pub fn dataset(&self, seed: Seed) -> Result<Dataset, CannotSimulate> {
         if let Policy::Route(ride) = &self.drive {
             return Ok(ride.dataset(&self.effects, self.duration_s, seed)?);
         }
-        Ok(world::run(&mut *self.world(seed)?, &mut *self.policy(seed), self.duration_s))
+        let mut world = self.world(seed)?;
+        let dataset = world::run(&mut *world, &mut *self.policy(seed), self.duration_s);
+        world.broken().map_or(Ok(dataset), |why| Err(CannotSimulate::Engine(why)))
     }
 
     /// Who chooses the actions of a case.

@@ -18,16 +18,10 @@ import subprocess
 import sys
 import time
 
+from mujoco_robot import PREFIX, add_servo, mujoco, np, spec_of
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 URDF = ROOT / "urdf" / "aibo_ers7.urdf"
-# MuJoCo warns of parts attached under their own names.
-PREFIX = "aibo/"
-
-try:
-    import mujoco
-    import numpy as np
-except ImportError as missing:
-    sys.exit(f"mujoco_step.py compares with MuJoCo, and there is no Python package {missing.name!r}: pip install mujoco numpy")
 
 
 def asami_walk(release):
@@ -39,33 +33,10 @@ def asami_walk(release):
 
 
 def mujoco_model(walk):
-    spec = mujoco.MjSpec()
-    spec.option.timestep = walk["time_step_s"]
-    spec.option.gravity = [0.0, 0.0, -walk["gravity_m_per_s2"]]
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    # Robot against ground, never against itself; the ground's priority makes its friction count.
-    spec.worldbody.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        size=[0, 0, 1],
-        friction=[walk["friction"], 0.005, 0.0001],
-        priority=1,
-        contype=1,
-        conaffinity=2,
-    )
-    robot = mujoco.MjSpec.from_file(str(URDF))
-    # A URDF's root is welded to the world: free it.
-    spec.worldbody.add_frame().attach_body(robot.worldbody.first_body(), PREFIX, "").add_freejoint()
-    for geom in spec.geoms:
-        if geom.type != mujoco.mjtGeom.mjGEOM_PLANE:
-            geom.contype, geom.conaffinity = 2, 0
+    spec = spec_of(URDF.read_text(), walk["time_step_s"], walk["gravity_m_per_s2"], walk["friction"])
     for name, effort, damping in zip(walk["joints"], walk["effort_n_m"], walk["joint_damping_n_m_s_per_rad"]):
-        joint = spec.joint(PREFIX + name)
-        joint.armature = walk["armature_kg_m2"]
-        # A vector of three since MuJoCo 4.
-        joint.damping = np.array([damping, 0.0, 0.0]) if np.ndim(joint.damping) else damping
-        servo = spec.add_actuator(name=name, target=PREFIX + name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
-        servo.set_to_position(kp=walk["stiffness_n_m_per_rad"], kv=walk["damping_n_m_s_per_rad"])
-        servo.forcerange, servo.forcelimited = [-effort, effort], 1
+        servo = (walk["stiffness_n_m_per_rad"], walk["damping_n_m_s_per_rad"], walk["armature_kg_m2"])
+        add_servo(spec, name, effort, damping, *servo)
     return spec.compile()
 
 

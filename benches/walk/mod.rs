@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use asami_dataset::Seed;
 use asami_sim::robots::aibo::blueprint::{Blueprint, JOINTS};
 use asami_sim::robots::aibo::body::Body;
+use asami_sim::robots::aibo::engine::Engine as _;
 use asami_sim::robots::aibo::gait::Trot;
 use asami_sim::robots::aibo::posture::joints_rad;
 use asami_sim::robots::aibo::servo::SetPoints;

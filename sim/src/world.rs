@@ -15,6 +15,11 @@ pub trait World: Send {
     /// Where the robot is.
     fn pose(&self) -> TruePose;
 
+    /// Why the world does not go on, if it does not: what it recorded since then is worth nothing.
+    fn broken(&self) -> Option<String> {
+        None
+    }
+
     /// Carries out `action` for one control period and records what is seen and where the robot is.
     fn tick(&mut self, action: Action, record: &mut Record);
 }

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use asami::blind::{Mix, Planting, withhold};
 use asami::generate::{Setting, generate};
-use asami::scenario::{Origin, Scenario};
+use asami::scenario::{Origin, Robot, Scenario};
 use asami::{scenario, verb};
 use asami_dataset::{Seed, store};
 use clap::Parser;
@@ -23,6 +23,8 @@ use clap::Parser;
   generate scenarios/plain_2d.toml --duration-s 150 -o results/short
   generate scenarios/aibo_1d.toml --seed 7 -o results/slippery --effect ground_friction.ratio=0.4
   generate scenarios/aibo_1d.toml --withhold --salt 1000 --cases 20 -o results/blind
+  generate scenarios/aibo_1d.toml --withhold --salt 1000 --cases 20 -o results/foreign_aibo \\
+      --engine 'python3 benches/peers/mujoco_engine.py'
   list effects        every effect with its parameters"
 )]
 struct Arguments {
@@ -50,6 +52,9 @@ struct Arguments {
     /// The log's length [default: the scenario's]
     #[arg(long, value_name = "S", value_parser = duration)]
     duration_s: Option<f64>,
+    /// Puts the Aibo into another program's physics engine, which is told and asked line by line (docs/engines.md)
+    #[arg(long, value_name = "COMMAND")]
+    engine: Option<String>,
 }
 
 fn duration(text: &str) -> Result<f64, String> {
@@ -64,11 +69,25 @@ fn main() -> ExitCode {
         if let (Origin::Simulated(simulation), Some(duration_s)) = (&mut scenario.origin, arguments.duration_s) {
             simulation.duration_s = duration_s;
         }
+        if let Some(command) = &arguments.engine {
+            put_into(command, &mut scenario)?;
+        }
         match (&arguments.salt, arguments.cases) {
             (Some(salt), Some(cases)) => many(&scenario, salt, cases as usize, &arguments),
             _ => one(&scenario, &arguments),
         }
     })
+}
+
+/// Has the scenario's robot move in another program's engine.
+fn put_into(command: &str, scenario: &mut Scenario) -> Result<(), miette::Report> {
+    match &mut scenario.origin {
+        Origin::Simulated(simulation) if simulation.robot == Robot::Aibo => {
+            simulation.engine = Some(command.split_whitespace().map(str::to_owned).collect());
+            Ok(())
+        }
+        _ => miette::bail!("--engine is for scenarios of a simulated Aibo; {} has none", scenario.name),
+    }
 }
 
 fn one(scenario: &Scenario, arguments: &Arguments) -> Result<verb::Ending, miette::Report> {

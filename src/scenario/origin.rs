@@ -57,6 +57,9 @@ pub struct Simulation {
     pub effects: Effects,
     /// How the truth about the models is measured.
     pub survey: Surveying,
+    /// Another program's physics engine that the Aibo is put into, and its arguments: no key of a scenario.
+    #[serde(skip)]
+    pub engine: Option<Vec<String>>,
 }
 
 /// What the robot does: follows from what is studied.

@@ -235,6 +235,7 @@ fn simulation(wire: &Wire, robot: Robot, faults: &mut Vec<Fault>) -> Option<Simu
         drive,
         effects,
         survey,
+        engine: None,
     })
 }
 

@@ -8,6 +8,7 @@ use rapier3d_urdf::{UrdfLoaderOptions, UrdfMultibodyOptions, UrdfRobot};
 use super::BuildError;
 use super::blueprint::{Blueprint, JOINT_NAMES, JOINTS, LEG_NAMES};
 use super::config::{AiboConfig, Joints, Physics};
+use super::engine::Engine;
 use crate::knobs::BodyKnobs;
 use crate::robots::frames::{from_engine, to_engine};
 
@@ -15,8 +16,8 @@ use crate::robots::frames::{from_engine, to_engine};
 const AXIS: usize = JointAxis::AngX as usize;
 
 /// A load's size, and how high above the body's centre it is: on the back.
-const PAYLOAD_RADIUS_M: f32 = 0.03;
-const PAYLOAD_UP_M: f32 = 0.06;
+pub(super) const PAYLOAD_RADIUS_M: f32 = 0.03;
+pub(super) const PAYLOAD_UP_M: f32 = 0.06;
 
 /// The Aibo in its own engine, with a flat ground.
 pub struct Body {
@@ -102,8 +103,20 @@ impl Body {
         })
     }
 
-    /// Puts a load on the torso, and shortens legs; before the first step.
-    pub fn load(&mut self, knobs: &BodyKnobs) {
+    fn motor_mut(&mut self, i: usize) -> Option<&mut JointMotor> {
+        let joint = match &self.joints {
+            JointHandles::Multibody(handles) => {
+                let (multibody, link) = self.engine.multibody_joints.get_mut(*handles.get(i)?)?;
+                &mut multibody.link_mut(link)?.joint.data
+            }
+            JointHandles::Impulse(handles) => &mut self.engine.impulse_joints.get_mut(*handles.get(i)?, false)?.data,
+        };
+        Some(&mut joint.motors[AXIS])
+    }
+}
+
+impl Engine for Body {
+    fn load(&mut self, knobs: &BodyKnobs) {
         for (foot, short_m) in self.feet.into_iter().zip(knobs.short_m) {
             let at = self.engine.colliders[foot].position_wrt_parent().copied();
             if let Some(mut at) = at.filter(|_| short_m != 0.0) {
@@ -121,8 +134,7 @@ impl Body {
         }
     }
 
-    /// Inclines the ground: gravity in the ground's own axes. `slope` is its sine, times the unit vector uphill.
-    pub fn incline(&mut self, slope: [f64; 2]) {
+    fn incline(&mut self, slope: [f64; 2]) {
         if slope != [0.0; 2] {
             let g_m_per_s2 = f64::from(self.engine.gravity.z.abs());
             let [x, y] = slope;
@@ -132,9 +144,7 @@ impl Body {
         }
     }
 
-    /// Sets the torques that the motors of the four legs give for an error, and at most, relative to the nominal
-    /// ones; writes to the engine only what changed.
-    pub fn set_torque(&mut self, ratios: [f64; 4]) {
+    fn set_torque(&mut self, ratios: [f64; 4]) {
         for (leg, ratio) in ratios.into_iter().enumerate() {
             if ratio == self.torque_ratio[leg] {
                 continue;
@@ -150,24 +160,11 @@ impl Body {
         }
     }
 
-    fn motor_mut(&mut self, i: usize) -> Option<&mut JointMotor> {
-        let joint = match &self.joints {
-            JointHandles::Multibody(handles) => {
-                let (multibody, link) = self.engine.multibody_joints.get_mut(*handles.get(i)?)?;
-                &mut multibody.link_mut(link)?.joint.data
-            }
-            JointHandles::Impulse(handles) => &mut self.engine.impulse_joints.get_mut(*handles.get(i)?, false)?.data,
-        };
-        Some(&mut joint.motors[AXIS])
-    }
-
-    /// Moves on by one engine step.
-    pub fn step(&mut self) {
+    fn step(&mut self) {
         self.engine.step();
     }
 
-    /// Gives the motors their set-points, in the order of [`JOINT_NAMES`].
-    pub fn aim(&mut self, set_points_rad: &[f64]) {
+    fn aim(&mut self, set_points_rad: &[f64]) {
         for (i, &angle_rad) in set_points_rad.iter().enumerate() {
             if let Some(motor) = self.motor_mut(i) {
                 motor.target_pos = angle_rad as f32;
@@ -175,9 +172,7 @@ impl Body {
         }
     }
 
-    /// The angle of joint `i` of [`JOINT_NAMES`] as its encoder reads it.
-    #[must_use]
-    pub fn angle_rad(&self, i: usize) -> f64 {
+    fn angle_rad(&self, i: usize) -> f64 {
         let angle = match &self.joints {
             JointHandles::Multibody(handles) => handles.get(i).and_then(|&handle| {
                 let (multibody, link) = self.engine.multibody_joints.get(handle)?;
@@ -195,9 +190,8 @@ impl Body {
         angle.map_or(f64::NAN, f64::from)
     }
 
-    /// Sets the friction coefficients of the four feet and of everything else; writes to the engine
-    /// only what changed, since its setters raise flags that would change later bits.
-    pub fn set_friction(&mut self, feet: [f64; 4], shell: f64) {
+    fn set_friction(&mut self, feet: [f64; 4], shell: f64) {
+        // Only what changed: its setters raise flags that would change later bits.
         for (i, friction) in feet.into_iter().enumerate() {
             if friction != self.friction[i] {
                 self.friction[i] = friction;
@@ -212,36 +206,26 @@ impl Body {
         }
     }
 
-    /// Which feet press on the ground.
-    #[must_use]
-    pub fn feet_down(&self) -> [bool; 4] {
+    fn feet_down(&self) -> [bool; 4] {
         self.feet.map(|foot| {
             self.engine.narrow_phase.contact_pair(self.ground, foot).is_some_and(|pair| pair.has_any_active_contact())
         })
     }
 
-    /// The torso in the world (URDF axes: x forward).
-    #[must_use]
-    pub fn world_from_torso(&self) -> Isometry3<f64> {
+    fn world_from_torso(&self) -> Isometry3<f64> {
         from_engine(self.engine.bodies[self.torso].position())
     }
 
-    /// The head in the world (URDF axes: x forward).
-    #[must_use]
-    pub fn world_from_head(&self) -> Isometry3<f64> {
+    fn world_from_head(&self) -> Isometry3<f64> {
         from_engine(self.engine.bodies[self.head].position())
     }
 
-    /// A link of the URDF in the world.
-    #[must_use]
-    pub fn world_from_link(&self, name: &str) -> Option<Isometry3<f64>> {
+    fn world_from_link(&self, name: &str) -> Option<Isometry3<f64>> {
         let (_, handle) = self.links.iter().find(|(link, _)| link == name)?;
         Some(from_engine(self.engine.bodies[*handle].position()))
     }
 
-    /// Mass of all links as the engine holds it; 0 before the first step.
-    #[must_use]
-    pub fn mass_kg(&self) -> f64 {
+    fn mass_kg(&self) -> f64 {
         self.links.iter().map(|(_, handle)| f64::from(self.engine.bodies[*handle].mass())).sum()
     }
 }

@@ -2,17 +2,19 @@
 //! contact.
 //!
 //! Once a control tick a command passes through [`gait`] (a virtual-wheel trot), [`leg`] (inverse
-//! kinematics) and [`servo`] (speed-limited set-points) into the motors of [`body`]; [`world`] runs
-//! that loop. Controllers compute in `f64` with portable functions, the engine in `f32`.
+//! kinematics) and [`servo`] (speed-limited set-points) into the motors of an [`engine`]'s body, Rapier's ([`body`]) or
+//! another program's ([`outside`]); [`world`] runs that loop. Controllers compute in `f64` with portable functions, the engine in `f32`.
 
 pub mod blueprint;
 pub mod body;
 pub mod config;
+pub mod engine;
 pub mod eye;
 pub mod gait;
 pub mod grip;
 pub mod heading;
 pub mod leg;
+pub mod outside;
 pub mod posture;
 pub mod servo;
 pub mod watch;
@@ -39,4 +41,7 @@ pub enum BuildError {
     /// The engine refused a joint.
     #[error("the engine cannot attach joint `{0}`")]
     Joint(String),
+    /// Another program's engine does not start.
+    #[error("the engine `{0}` does not start: {1}")]
+    Engine(String, String),
 }

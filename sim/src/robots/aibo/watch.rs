@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3};
 use urdf_rs::Geometry;
 
 use super::blueprint::{Blueprint, LEG_NAMES};
-use super::body::Body;
+use super::engine::Engine;
 
 /// Foot contacts and outlines recorded during a run. Truth: no part of a data set.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,7 +44,7 @@ pub struct Line {
 
 /// The body's outline as it stands.
 #[must_use]
-pub fn outline(t_s: f64, body: &Body, blueprint: &Blueprint) -> Outline {
+pub fn outline(t_s: f64, body: &dyn Engine, blueprint: &Blueprint) -> Outline {
     let [fl, fr, hl, hr] = [0, 1, 2, 3].map(|i| leg(body, blueprint, i));
     let lines = [fl, hl, section(body, blueprint, "torso"), neck(body), section(body, blueprint, "head"), fr, hr];
     Outline { t_s, lines: lines.into_iter().flatten().collect() }
@@ -55,7 +55,7 @@ fn place(world_from_link: &Isometry3<f64>, [x, y, z]: [f64; 3]) -> [f64; 3] {
 }
 
 /// Hip, knee and foot.
-fn leg(body: &Body, blueprint: &Blueprint, i: usize) -> Option<Line> {
+fn leg(body: &dyn Engine, blueprint: &Blueprint, i: usize) -> Option<Line> {
     let name = LEG_NAMES[i];
     let world_from_shoulder = body.world_from_link(&format!("{name}_shoulder"))?;
     let world_from_lower = body.world_from_link(&format!("{name}_lower"))?;
@@ -68,14 +68,14 @@ fn leg(body: &Body, blueprint: &Blueprint, i: usize) -> Option<Line> {
     Some(Line { part: name, points_m })
 }
 
-fn neck(body: &Body) -> Option<Line> {
+fn neck(body: &dyn Engine) -> Option<Line> {
     let points_m = ["neck", "head"].map(|name| body.world_from_link(name).map(|pose| place(&pose, [0.0; 3])));
     let [Some(low), Some(high)] = points_m else { return None };
     Some(Line { part: "neck", points_m: vec![low, high] })
 }
 
 /// The section of a link's box along its middle plane.
-fn section(body: &Body, blueprint: &Blueprint, part: &'static str) -> Option<Line> {
+fn section(body: &dyn Engine, blueprint: &Blueprint, part: &'static str) -> Option<Line> {
     let world_from_link = body.world_from_link(part)?;
     let link = blueprint.robot.links.iter().find(|link| link.name == part)?;
     link.collision.iter().find_map(|collision| {

@@ -9,10 +9,12 @@ use super::BuildError;
 use super::blueprint::{Blueprint, JOINTS};
 use super::body::Body;
 use super::config::AiboConfig;
+use super::engine::Engine;
 use super::eye::Eye;
 use super::gait::{Attempt, Trot};
 use super::grip::Grip;
 use super::heading::Heading;
+use super::outside::{Outside, Program};
 use super::posture::{Start, joints_rad};
 use super::servo::SetPoints;
 use super::watch::{Contacts, Watch, outline};
@@ -43,7 +45,7 @@ pub struct AiboWorld {
     grip: Grip,
 
     blueprint: Blueprint,
-    body: Body,
+    body: Box<dyn Engine>,
     eye: Eye,
     steps: u64,
     fallen: bool,
@@ -63,6 +65,22 @@ impl AiboWorld {
         start: Start,
         seed: Seed,
     ) -> Result<Self, BuildError> {
+        Self::in_engine(None, config, field, camera, effects, start, seed)
+    }
+
+    /// The same in another program's engine, if one is named.
+    ///
+    /// # Errors
+    /// If the URDF lacks a part, or the engine refuses it or does not start.
+    pub fn in_engine(
+        program: Option<&Program>,
+        config: &AiboConfig,
+        field: &Field,
+        camera: &CameraConfig,
+        effects: &Effects,
+        start: Start,
+        seed: Seed,
+    ) -> Result<Self, BuildError> {
         let blueprint = Blueprint::shipped()?;
         let trot = Trot::new(config.gait.clone(), blueprint.legs.clone(), start.gait_phase);
         let angles_rad = joints_rad(&config.head, &trot, 0.0);
@@ -72,7 +90,10 @@ impl AiboWorld {
             ..Knobs::default()
         };
         let knobs = turned(&nominal, effects, 0.0);
-        let mut body = Body::new(config, &blueprint, &world_from_torso, &angles_rad)?;
+        let mut body: Box<dyn Engine> = match program {
+            Some(program) => Box::new(Outside::new(program, config, &blueprint, &world_from_torso, &angles_rad)?),
+            None => Box::new(Body::new(config, &blueprint, &world_from_torso, &angles_rad)?),
+        };
         body.load(&knobs.body);
         body.incline(knobs.ground.slope);
         for _ in 0..(config.physics.settle_s / config.physics.time_step_s).round() as u64 {
@@ -149,8 +170,8 @@ impl AiboWorld {
 
     /// The body in the engine.
     #[must_use]
-    pub fn body(&self) -> &Body {
-        &self.body
+    pub fn body(&self) -> &dyn Engine {
+        &*self.body
     }
 
     fn now_s(&self) -> f64 {
@@ -197,7 +218,7 @@ impl AiboWorld {
         record.seen.sightings.append(&mut sightings);
         record.track.push(self.pose());
         if let Some(watch) = &mut self.watch {
-            watch.outlines.push(outline(now_s, &self.body, &self.blueprint));
+            watch.outlines.push(outline(now_s, &*self.body, &self.blueprint));
         }
     }
 }
@@ -209,6 +230,10 @@ impl World for AiboWorld {
 
     fn t_s(&self) -> f64 {
         self.now_s()
+    }
+
+    fn broken(&self) -> Option<String> {
+        self.body.broken()
     }
 
     /// Where the body's centre is and where it faces.
