@@ -100,7 +100,7 @@ impl std::fmt::Debug for Lately {
 
 /// Motion and statistics of one drive.
 #[derive(Clone, Debug)]
-pub struct Drive {
+struct Drive {
     commands: Rows<Command>,
     steps: Vec<Step>,
     gears: Gears,
@@ -110,15 +110,16 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Of its commands, its motion and its statistics.
-    #[must_use]
-    pub fn new(commands: Rows<Command>, steps: Vec<Step>, segments: Vec<Segment>, turn_s: f64) -> Self {
-        Self { commands, steps, gears: Gears::default(), left: Vec::new(), segments, turn_s }
-    }
-
     fn of(run: &Dataset) -> Result<Self, CannotLearn> {
         let (moved, segments) = scanned(&run.log)?;
-        Ok(Self::new(run.log.commands.clone(), moved.steps, segments, 1.0 / turn_rate_hz(&run.log)))
+        Ok(Self {
+            commands: run.log.commands.clone(),
+            steps: moved.steps,
+            gears: Gears::default(),
+            left: Vec::new(),
+            segments,
+            turn_s: 1.0 / turn_rate_hz(&run.log),
+        })
     }
 
     fn ride<'a>(&'a self, car: &'a CarConfig) -> Ride<'a> {
@@ -184,15 +185,7 @@ impl Base {
     }
 
     /// What nominal drives say; the first `kept` of them are what effects are held against.
-    ///
-    /// # Errors
-    /// If the car cannot be played, or there are hardly any drives.
-    pub fn of(
-        car: &CarConfig,
-        effects: &Effects,
-        drives: Vec<Option<Drive>>,
-        kept: usize,
-    ) -> Result<Self, CannotLearn> {
+    fn of(car: &CarConfig, effects: &Effects, drives: Vec<Option<Drive>>, kept: usize) -> Result<Self, CannotLearn> {
         let first = drives.iter().take(kept).map(|drive| {
             let values = |segment: &Segment| segment.values.map(|it| it.is_finite().then_some(it));
             drive.as_ref().map_or_else(Vec::new, |drive| drive.segments.iter().map(values).collect())

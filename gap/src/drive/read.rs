@@ -123,7 +123,7 @@ impl Read {
 
     /// Plays the commands of a drive of which motion and statistics are known. What each kind of effect changes is played with
     /// `held` in the world: changes are taken for additive, and are so only near there.
-    pub fn of(
+    pub(crate) fn of(
         library: &Drives,
         commands: &Rows<Command>,
         (steps, segments): (Vec<Step>, Vec<Segment>),
