@@ -41,6 +41,7 @@ pub mod shrink;
 pub mod sighted;
 pub mod sizes;
 pub mod state;
+pub mod touch;
 pub mod view;
 
 pub use calibration::Calibration;

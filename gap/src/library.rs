@@ -20,7 +20,8 @@ use crate::plant::{Planted, Variant};
 use crate::rhythm::Rhythm;
 use crate::shape::{Numbers, ORDER, Shape};
 use crate::sighted::Sighted;
-use crate::sizes::{spaced, straight, through};
+use crate::sizes::{curved, spaced, straight, through};
+use crate::touch::Touch;
 use crate::view::CannotSee;
 
 /// How much is played for a library.
@@ -30,7 +31,7 @@ pub struct Budget {
     pub nominal_runs: u64,
     /// Runs with each kind of effect at each size.
     pub runs: u64,
-    /// Sizes of each kind of effect, log-spaced from its least to its greatest.
+    /// Sizes of each kind of effect, log-spaced from its least to its greatest; of delays twice as many.
     pub sizes: usize,
     /// Length of a run in seconds.
     pub run_s: f64,
@@ -61,6 +62,12 @@ impl Budget {
         } else {
             Self::default()
         }
+    }
+
+    /// How many sizes of a kind of effect are played: what comes a step later does so at once, between sizes as well.
+    fn sizes_of(&self, variant: &Variant) -> usize {
+        let by = if variant.block() == Block::Timing { 2 } else { 1 };
+        by * self.sizes.max(3)
     }
 }
 
@@ -126,6 +133,8 @@ enum Run {
     Parabolas,
     /// In straight lines.
     Straight,
+    /// Not at all: what scatters more lies where it lay. Noise and shares run on curves in the size's logarithm.
+    Logarithms,
 }
 
 /// A library under whose responses logs can be held.
@@ -268,7 +277,7 @@ impl Entry {
     /// # Errors
     /// If the world cannot be played.
     pub fn learn(nominal: &dyn Nominal, base: &Base, variant: &Variant, budget: &Budget) -> Result<Self, CannotPlay> {
-        let sizes = spaced(variant, budget.sizes.max(3));
+        let sizes = spaced(variant, budget.sizes_of(variant));
         let mut runs: Vec<(f64, Vec<Dataset>)> = Vec::with_capacity(sizes.len());
         for size in sizes {
             let planted = [Planted { variant: variant.clone(), size }];
@@ -288,9 +297,17 @@ impl Entry {
         let free = Free { wear: variant.block() == Block::Drift };
         let responses =
             changed(&base.shape, (&base.rhythm, &base.fitted), &runs, free, run(variant) == Run::Polynomial);
-        let change = |with: Vec<f64>| with.iter().zip(&base.fitted).map(|(with, without)| with - without).collect();
-        let changes =
-            responses.into_iter().map(change).zip(&runs).map(|(it, (_, runs))| base.played(it, runs)).collect();
+        let touch = Touch::of(variant);
+        let change = |(with, runs): (Vec<f64>, &[Dataset])| {
+            let mut change: Vec<f64> = with.iter().zip(&base.fitted).map(|(with, without)| with - without).collect();
+            // What is made most likely where sightings sway reaches into all numbers.
+            if !base.memory.sways() {
+                touch.keeps_to(&base.shape, &mut change);
+            }
+            base.played(change, runs)
+        };
+        let runs = runs.iter().map(|(_, runs)| runs.as_slice());
+        let changes = responses.into_iter().zip(runs).map(change).collect();
         Self { kind: variant.name(), sizes, changes, run: run(variant) }
     }
 
@@ -305,22 +322,23 @@ impl Entry {
         self.changes.iter_mut().for_each(|change| change[numbers.clone()].fill(0.0));
     }
 
-    /// Adds the change at a size to `numbers`. Logarithms of noise and log-odds run in straight lines always.
+    /// Adds the change at a size to `numbers`.
     pub fn add(&self, shape: &Shape, size: f64, numbers: &mut [f64]) {
         let n = self.sizes.len();
-        let even = straight(&self.sizes, size, |size| size);
+        let even = || straight(&self.sizes, size, |size| size);
         // Curves of sensing are learned size by size: between sizes they are what they are there.
         let (motion, sensing) = match self.run {
-            Run::Polynomial => (through(&self.sizes, n.saturating_sub(3)..n, size), even),
+            Run::Polynomial => (through(&self.sizes, n.saturating_sub(3)..n, size), even()),
             Run::Parabolas => {
                 let above = self.sizes.partition_point(|it| *it < size).clamp(1, n - 1);
                 let parabola = through(&self.sizes, above - 1..above + 1, size);
                 (parabola.clone(), parabola)
             }
-            Run::Straight => (even.clone(), even),
+            Run::Straight => (even(), even()),
+            Run::Logarithms => (Vec::new(), Vec::new()),
         };
         // Log-odds of shares and logarithms of noise go rather with the size's own logarithm.
-        let rest = straight(&self.sizes, size, ln);
+        let rest = if self.run == Run::Logarithms { curved } else { straight }(&self.sizes, size, ln);
         for group in ORDER {
             let weights = match group {
                 Numbers::Motion => &motion,
@@ -342,6 +360,7 @@ impl Entry {
 fn run(variant: &Variant) -> Run {
     match variant.place() {
         _ if variant.block() == Block::Timing => Run::Straight,
+        _ if variant.block() == Block::Noise => Run::Logarithms,
         Place::Sensing | Place::Scene => Run::Parabolas,
         Place::Actuation | Place::Dynamics => Run::Polynomial,
     }

@@ -168,8 +168,7 @@ impl Shape {
         let (sin_b, cos_b) = sin_cos(sight.bearing_rad);
         let [right, forward, turn] = sight.attempt;
         let extra = self.curve_width();
-        // Off the axis a range, and a depth that is taken for one, part in proportion to the distance.
-        columns[extra] = sight.off_rad * sight.off_rad * if self.ranges { d } else { 1.0 };
+        columns[extra] = sight.off_rad * sight.off_rad * self.off_scale(d);
         columns[extra + 1] = (right * right + forward * forward + turn * turn).sqrt();
         columns[extra + 2] = fall * (forward * cos_b - right * sin_b);
     }
@@ -179,7 +178,14 @@ impl Shape {
     #[must_use]
     pub fn off_columns(&self) -> [(usize, f64); 3] {
         let bearing = self.width(Numbers::Size);
-        [(self.curve_width(), if self.ranges { 1.0 } else { 10.0 }), (bearing + 1, 0.05), (bearing + 2, 0.5)]
+        [(self.curve_width(), if self.ranges { 1.0 } else { 30.0 }), (bearing + 1, 0.05), (bearing + 2, 0.5)]
+    }
+
+    /// What goes with the square of the angle off the axis: a range, and a depth that is taken for one, part in proportion to
+    /// the distance, and a lens bends a height by a share of it.
+    #[must_use]
+    pub fn off_scale(&self, distance_m: f64) -> f64 {
+        if self.ranges { distance_m } else { 1.0 / distance_m }
     }
 
     /// Fills the bearing's columns.
@@ -202,7 +208,7 @@ impl Shape {
     pub fn off_slopes(&self, sight: &Sight, size: &[f64], bearing: &[f64]) -> [f64; 2] {
         let off = sight.off_rad;
         let of_bearing = bearing[1] + 3.0 * off * off * bearing[2];
-        let scale = if self.ranges { sight.distance_m } else { 1.0 };
+        let scale = self.off_scale(sight.distance_m.max(0.05));
         [2.0 * off * scale * size[self.curve_width()], of_bearing]
     }
 

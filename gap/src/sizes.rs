@@ -28,6 +28,25 @@ pub fn straight(sizes: &[f64], size: f64, scale: fn(f64) -> f64) -> Vec<f64> {
     weights
 }
 
+/// The same on cubics through the four sizes about each, which bend with what bends: the logarithm of a noise that a size is
+/// added to, the log-odds of a share.
+#[must_use]
+pub fn curved(sizes: &[f64], size: f64, scale: fn(f64) -> f64) -> Vec<f64> {
+    const POINTS: usize = 4;
+    let above = sizes.partition_point(|it| *it < size);
+    if sizes.len() < POINTS || above == 0 {
+        return straight(sizes, size, scale);
+    }
+    let first = above.saturating_sub(POINTS / 2).min(sizes.len() - POINTS);
+    let of = first..first + POINTS;
+    let mut weights = vec![0.0; sizes.len()];
+    for k in of.clone() {
+        let others = of.clone().filter(|j| *j != k).map(|j| scale(sizes[j]));
+        weights[k] = others.fold(1.0, |weight, other| weight * (scale(size) - other) / (scale(sizes[k]) - other));
+    }
+    weights
+}
+
 /// Weights on the polynomial through nothing at no size and what was found at some of the sizes (Lagrange).
 #[must_use]
 pub fn through(sizes: &[f64], of: std::ops::Range<usize>, size: f64) -> Vec<f64> {
@@ -57,6 +76,24 @@ mod tests {
         }
         let logarithm = at(&straight(&SIZES, 0.5, ln), |size| 2.0 + ln(size));
         assert!((logarithm - (2.0 + ln(0.5))).abs() < 1e-12, "{logarithm}");
+    }
+
+    /// Between sizes that lie a factor of three apart, at which straight lines err by a tenth.
+    #[test]
+    fn curves_bend_with_noise_and_shares() {
+        for (of, about) in [
+            ((|size| ln(1.0 + size)) as fn(f64) -> f64, "logarithm of a noise"),
+            (|share| ln(share / (2.1 - share)), "log-odds"),
+        ] {
+            for size in [0.05, 0.1, 0.15, 0.2, 0.5, 0.8, 1.3, 2.0] {
+                let curve = at(&curved(&SIZES, size, ln), of);
+                let expected = if size < 0.1 { size / 0.1 * of(0.1) } else { of(size) };
+                assert!(
+                    (curve - expected).abs() < 0.04 * expected.abs().max(0.5),
+                    "{about}, {size}: {curve} {expected}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -48,7 +48,7 @@ impl Planting {
     /// nor their count says anything.
     #[must_use]
     pub fn case(&self, number: usize) -> Case {
-        let mut rng = stream(&self.salt, number);
+        let mut rng = stream("asami 2026 withheld case", &self.salt, number);
         let count = match rng.random::<f64>() {
             u if u < self.mix.none_share => 0,
             u if u < self.mix.none_share + self.mix.one_share => 1,
@@ -104,9 +104,14 @@ impl Case {
     }
 }
 
+/// A number from 0 to 1 for each case, independent of all that is in it.
+pub(super) fn chance(salt: &str, number: usize) -> f64 {
+    stream("asami 2026 withheld truth", salt, number).random()
+}
+
 /// A hash that cannot be turned round, so that no case tells of the salt or of another case.
-fn stream(salt: &str, number: usize) -> Rng {
-    let mut hasher = blake3::Hasher::new_derive_key("asami 2026 withheld case");
+fn stream(of: &str, salt: &str, number: usize) -> Rng {
+    let mut hasher = blake3::Hasher::new_derive_key(of);
     hasher.update(&(number as u64).to_le_bytes()).update(salt.as_bytes());
     Rng::from_seed(*hasher.finalize().as_bytes())
 }

@@ -6,6 +6,7 @@ use asami_dataset::parameters::{Fault, Parameter, Parameters, out_of_range};
 use serde::{Deserialize, Serialize};
 
 use super::Mix;
+use super::draw::chance;
 use crate::scenario::{Bad, Origin, Scenario, Simulation, parse as parse_nominal, wire};
 
 /// Names of the diagnosers.
@@ -60,6 +61,9 @@ pub struct Asked {
     /// Whether the group of each case's true effect is taken out of the catalogue.
     #[serde(default)]
     pub without_truth: bool,
+    /// The same of only so many of the cases: a share, drawn case by case.
+    #[serde(default)]
+    pub without_truth_share: f64,
     /// Effects that act alike whatever their sizes, by groups: part of the question, so that they are frozen before
     /// any key is opened.
     #[serde(default)]
@@ -205,6 +209,12 @@ fn world(asked: &Asked, nominal: &dyn Fn(&str) -> Result<String, String>) -> Res
 }
 
 impl Asked {
+    /// Whether the group of a case's true effect is taken out of the catalogue.
+    #[must_use]
+    pub fn withholds(&self, number: usize) -> bool {
+        self.without_truth || chance(&self.salt, number) < self.without_truth_share
+    }
+
     fn faults(&self) -> Vec<Fault> {
         let mut faults = Vec::new();
         let mut fault = |path: String, message: String| faults.push(Fault { path, message });
@@ -221,12 +231,16 @@ impl Asked {
                     "cases_from (another program's cases) and salt (our own) exclude each other".into(),
                 );
             }
-            Some(_) if self.without_truth => {
+            Some(_) if self.without_truth || self.without_truth_share > 0.0 => {
                 let message =
                     "without_truth needs keys before a diagnosis; those of cases_from are opened after all of them";
                 fault("without_truth".into(), message.into());
             }
             _ => {}
+        }
+        if !(0.0..=1.0).contains(&self.without_truth_share) {
+            let message = format!("without_truth_share must lie in 0..=1, not {}", self.without_truth_share);
+            fault("without_truth_share".into(), message);
         }
         if self.mix.none_share + self.mix.one_share > 1.0 + 1e-9 {
             fault("mix".into(), "none_share and one_share must not exceed 1 together".into());

@@ -236,7 +236,7 @@ fn run_case(blind: &Blind, contest: &dyn Contest, planting: &Planting, case: &Ca
         Err(error) => return record.unanswered(&error.to_string()),
     };
     let reference = referee::judge(&*likelihood, &case.planted, contest.variants(), &blind.asked);
-    if blind.asked.without_truth {
+    if blind.asked.withholds(case.number) {
         record.withheld = reference.effects.iter().flat_map(|effect| effect.group.clone()).collect();
     }
     record.timing.log_s = began.elapsed().as_secs_f64();
