@@ -8,11 +8,13 @@ use asami_gap::experiment::{Course, best, promise};
 use asami_gap::how_far::misfit;
 use asami_gap::library::{Budget, play};
 use asami_gap::race::Pace;
+use asami_gap::touch::Touch;
 use asami_gap::{Calibration, Diagnoser, Library, Planted, Responds, Variant};
 
 mod world;
 
-const NAMES: [&str; 4] = ["command_scale", "height_bias", "image_delay", "vision_noise"];
+const NAMES: [&str; 6] =
+    ["command_scale", "false_sightings", "height_bias", "image_delay", "missed_sightings", "vision_noise"];
 
 fn variants() -> Vec<Variant> {
     let all = Variant::all("plain", 4, &[]);
@@ -62,8 +64,8 @@ fn no_effect_is_evident_in_nominal_logs() {
         let log = log(&[], seed);
         let judge = library().judge(&log).unwrap();
         for weighed in weigh(&*judge, &variants(), &[], CLOSE) {
-            // Where an effect is absent, evidence of e^9 has probability e^-9 at most (Markov): of the 24 looked at, one
-            // reaches it in 340 such tests.
+            // Where an effect is absent, evidence of e^9 has probability e^-9 at most (Markov): of the 36 looked at, one
+            // reaches it in 220 such tests.
             assert!(weighed.evidence_nats < 9.0, "seed {seed}: {weighed:?}");
         }
     }
@@ -90,6 +92,43 @@ fn a_planted_effect_is_the_most_evident_and_its_size_lies_in_the_interval_or_nea
         let width = high - low;
         assert!(low - width < size && size < high + width, "{name}: {size} in {low}..{high}");
         assert!(best.evidence_nats > 10.0 && best.evidence_nats < best.gain_nats, "{best:?}");
+    }
+}
+
+/// Under the same seed a robot goes the same way, bit for bit, whatever is wrong with its camera or the landmarks: what a
+/// library takes out of these effects' changes is nothing that they do.
+#[test]
+fn what_acts_on_sensing_leaves_the_way_as_it_is() {
+    let way = |planted: &[Planted]| play(&world::Plain::default(), planted, Seed(1060), 20.0).unwrap().truth.track;
+    let nominal = way(&[]);
+    let mut motions = 0;
+    for variant in Variant::all("plain", 4, &[]) {
+        let touch = Touch::of(&variant);
+        let size = variant.sizes().1;
+        let changed = way(&[Planted { variant: variant.clone(), size }]) != nominal;
+        assert_eq!(changed, touch == Touch::Motion, "{}", variant.name());
+        motions += usize::from(changed);
+    }
+    assert!(motions > 4, "{motions} change the way");
+}
+
+/// Halfway between two sizes that were played, by ratio, where a straight line in the logarithm would be off by a tenth;
+/// over logs, sizes scatter about the truth, and their mean by the less.
+#[test]
+fn shares_and_noise_between_sizes_that_were_played_are_found_on_average() {
+    for name in ["false_sightings", "missed_sightings", "vision_noise"] {
+        let variant = planted(name, 1.0, 1.0).variant;
+        let (least, greatest) = variant.sizes();
+        let size = (greatest / least).powf(5.0 / 6.0) * least;
+        let off = |seed: u64| {
+            let judge = library().judge(&log(&[planted(name, 1.0, size)], 70 + seed)).unwrap();
+            (weigh(&*judge, std::slice::from_ref(&variant), &[], CLOSE).remove(0).best.size / size).ln()
+        };
+        let offs: Vec<f64> = (0..16).map(off).collect();
+        let mean = offs.iter().sum::<f64>() / 16.0;
+        let sd = (offs.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / 15.0).sqrt();
+        // Three standard errors of the logs, and as much of a library that has 6 runs at each size.
+        assert!(mean.abs() < 3.0 * sd * (1.0 / 16.0 + 1.0 / 6.0_f64).sqrt(), "{name}: {mean} of {sd}");
     }
 }
 
