@@ -7,10 +7,10 @@ use super::{Calibration, Case, HIDDEN, NONE, SLIP, class, greatest, is_unknown, 
 /// Share of cases whose cause is in nobody's list, in what is learned from: a wrong name is worse than none.
 const SHARE_UNKNOWN: f64 = 0.2;
 /// How many numbers there are beside the causes'.
-const GLOBALS: usize = 3;
+const GLOBALS: usize = 4;
 /// Steps of the descent.
 const STEPS: usize = 400;
-/// Prior mean of the logarithm of the fade per 100 nats.
+/// Prior mean of the logarithms of the fades per 100 nats.
 const FADE_LN: f64 = -1.0;
 /// Prior standard deviation of what is added for a cause.
 const BETA_SD: f64 = 1.5;
@@ -22,14 +22,16 @@ pub(super) fn fit(cases: &[&Case]) -> Calibration {
         let all: std::collections::BTreeSet<&str> = classes.chain([NONE, HIDDEN]).collect();
         all.into_iter().map(str::to_owned).collect()
     };
-    // Logarithms of the weight, of the fade's scale and of the blocks' weight, then what is added for each cause.
+    // Logarithms of the weight, of its fade, of the blocks' weight and of the fade of what is beyond, then what is added for each
+    // cause.
     let mut at = vec![0.0; GLOBALS + causes.len()];
-    at[1] = FADE_LN;
+    (at[1], at[3]) = (FADE_LN, FADE_LN);
     let (mut mean, mut square) = (vec![0.0; at.len()], vec![0.0; at.len()]);
     let read = |at: &[f64]| Calibration {
         tau: exp(at[0]),
         fade: exp(at[1]) / 100.0,
         tau_beyond: exp(at[2]),
+        fade_beyond: exp(at[3]) / 100.0,
         beta: causes.iter().cloned().zip(at[GLOBALS..].iter().copied()).collect(),
         ..Calibration::default()
     };
@@ -69,6 +71,8 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
         let told = if of_truth > 0.0 { (of_truth - even) / of_truth } else { 0.0 };
         let leader = leader(&case.evidence);
         let (top_single, leader_nats) = (top_single(&case.evidence), nats(&case.evidence, leader));
+        let lasting = calibration.beyond_counts(top_single);
+        let lasting_slope = -calibration.fade_beyond * top_single * lasting * lasting;
         let off = |cause: &str, p: f64| {
             let sharp = (p - even) / (1.0 - SLIP);
             counts * told * (sharp - f64::from(u8::from(*cause == case.truth)))
@@ -83,14 +87,17 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
         for (cause, p) in probabilities.iter().filter(|(cause, _)| is_unknown(cause)) {
             let off = off(cause, *p);
             of_blocks += off;
-            slope[2] += off * calibration.tau_beyond * (nats(&case.evidence, cause) - leader_nats);
+            let beyond = calibration.tau_beyond * (nats(&case.evidence, cause) - leader_nats);
+            slope[2] += off * lasting * beyond;
+            slope[3] += off * lasting_slope * beyond;
             of_class(&mut slope, cause, off);
         }
         for (cause, p) in probabilities.iter().filter(|(cause, _)| !is_unknown(cause)) {
             let off = off(cause, *p) + if *cause == leader { of_blocks } else { 0.0 };
             let (of_top, beyond) = parts(cause, nats(&case.evidence, cause), top_single);
-            let (class, beyond) = calibration.beyond(cause, beyond);
+            let (class, beyond) = calibration.beyond(cause, lasting * beyond);
             slope[0] += off * calibration.tau * (of_top / fading + beyond);
+            slope[3] += off * calibration.tau * beyond / lasting * lasting_slope;
             slope[1] -= off * of_top * calibration.tau * calibration.fade * top / (fading * fading);
             of_class(&mut slope, class, off);
         }
@@ -98,6 +105,7 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
     slope[0] += at[0] / 0.25;
     slope[1] += (at[1] - FADE_LN) / 4.0;
     slope[2] += at[2] / 0.25;
+    slope[3] += (at[3] - FADE_LN) / 4.0;
     for ((slope, at), cause) in slope[GLOBALS..].iter_mut().zip(&at[GLOBALS..]).zip(causes) {
         // Blocks pay for a freedom that hardly any cause needs in full.
         let sd = if is_unknown(cause) { 10.0 * BETA_SD } else { BETA_SD };

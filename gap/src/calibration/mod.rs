@@ -3,7 +3,8 @@
 //! Of every planted case the evidence of each cause is known, and the truth. A cause's probability is
 //! `P(g) ~ prior_g exp(beta_g + tau(g) log Z_g)`, with evidence counting for the less, the more of it there
 //! is: a library's error grows with what it describes. What a second effect says beyond the first, and a flexible block
-//! beyond the leading cause, is small and stays so: it counts whole. A second effect that does not show is never ruled
+//! beyond the leading cause, is small, but a library's error in the first is taken for it: it counts for the less, the more the
+//! first explains, by a fade of its own. A second effect that does not show is never ruled
 //! out, so that what shows alone is at most as probable as planted cases have it. The parameters are those of least
 //! penalised log-loss, and the set is found by leaving folds out (Vovk 2015).
 
@@ -58,6 +59,8 @@ pub struct Calibration {
     fade: f64,
     /// Weight of what flexible blocks explain beyond the leading cause.
     tau_beyond: f64,
+    /// How fast the weight of what is explained beyond an effect falls with that effect's evidence, per nat.
+    fade_beyond: f64,
     /// What is added for each cause.
     beta: BTreeMap<String, f64>,
     /// The least probability that a cause in the 90 % set has, by stratum of the greatest evidence.
@@ -94,6 +97,7 @@ impl Default for Calibration {
             tau: 1.0,
             fade: 0.0,
             tau_beyond: 1.0,
+            fade_beyond: 0.0,
             beta,
             thresholds: [0.05; 3],
             absorbed_nats,
@@ -181,16 +185,17 @@ impl Calibration {
         let weight = self.tau / (1.0 + self.fade * greatest(evidence));
         let singles = evidence.keys().filter(|cause| is_single(cause)).count().max(1) as f64;
         let top = top_single(evidence);
+        let counts = self.beyond_counts(top);
         let named = |cause: &str| {
             let (of_top, beyond) = parts(cause, nats(evidence, cause), top);
-            let (class, beyond) = self.beyond(cause, beyond);
+            let (class, beyond) = self.beyond(cause, counts * beyond);
             ln(prior(cause, singles)) + self.beta(class) + weight * of_top + self.tau * beyond
         };
         let leader = leader(evidence);
         let (of_leader, leader_nats) = (named(leader), nats(evidence, leader));
         let block = |cause: &str| {
             let beyond = nats(evidence, cause) - leader_nats;
-            of_leader + ln(PRIOR_UNKNOWN) + self.beta(cause) + self.tau_beyond * beyond
+            of_leader + ln(PRIOR_UNKNOWN) + self.beta(cause) + self.tau_beyond * counts * beyond
         };
         let score = |cause: &'a str| (cause, if is_unknown(cause) { block(cause) } else { named(cause) });
         evidence.keys().map(|cause| score(cause)).chain([score(NONE)]).collect()
@@ -216,6 +221,11 @@ impl Calibration {
 
     fn beta(&self, class: &str) -> f64 {
         self.beta.get(class).copied().unwrap_or(0.0)
+    }
+
+    /// What counts of a nat beyond an effect of which there is so much evidence.
+    fn beyond_counts(&self, top_single: f64) -> f64 {
+        1.0 / (1.0 + self.fade_beyond * top_single)
     }
 
     /// A cause's class, and what is said for it beyond the leading effect. A second effect that hardly shows is about as
@@ -269,8 +279,7 @@ pub fn leader(evidence: &Evidence) -> &str {
     best.filter(|(nats, _)| *nats > EVIDENT_NATS).map_or(NONE, |(_, cause)| cause)
 }
 
-/// What the most evident effect says, and what a second one says beyond it: that is small and stays so, however much the
-/// first explains.
+/// What the most evident effect says, and what a second one says beyond it.
 fn parts(cause: &str, nats: f64, top_single: f64) -> (f64, f64) {
     if is_single(cause) || cause == NONE { (nats, 0.0) } else { (top_single, nats - top_single) }
 }

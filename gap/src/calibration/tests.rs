@@ -120,3 +120,29 @@ fn a_block_is_held_against_the_cause_that_it_was_put_on_top_of() {
     assert!((odds(60.0) - odds(90.0)).abs() < 1e-9, "{} {}", odds(60.0), odds(90.0));
     assert_eq!(leader(&Evidence::from([("a".to_owned(), 2.0)])), NONE);
 }
+
+/// A library that is wrong by up to six parts in a hundred of what it explains takes as much for a second effect.
+fn with_a_library_that_errs(n: usize) -> Vec<Case> {
+    let of = |i: usize| {
+        let (u, v) = ((i * 7 % 11) as f64 / 10.0, (i * 5 % 13) as f64 / 12.0);
+        let both = i.is_multiple_of(4);
+        let nats = if both { 15.0 + 45.0 * v } else { 10.0 * exp(4.6 * v) };
+        let beyond = 0.06 * nats * u + if both { 15.0 + 10.0 * v } else { -2.0 };
+        let evidence = [("a", nats), ("b", 1.0), ("a+b", nats + beyond), ("unknown/timing", nats - 8.0)];
+        let evidence = evidence.map(|(cause, nats)| (cause.to_owned(), nats)).into();
+        let truth = if both { "a+b" } else { "a" }.to_owned();
+        Case { truth, shown: None, evidence, absorbed_nats: None, off_by: None }
+    };
+    (0..n).map(of).collect()
+}
+
+#[test]
+fn what_is_said_beyond_an_effect_counts_the_less_the_more_there_is_of_it() {
+    let calibration = Calibration::learn(&with_a_library_that_errs(400));
+    let of = |nats: f64, beyond: f64| {
+        let evidence = [("a", nats), ("b", 1.0), ("a+b", nats + beyond), ("unknown/timing", nats - 8.0)];
+        calibration.probabilities(&evidence.map(|(cause, nats)| (cause.to_owned(), nats)).into())
+    };
+    let (plain, pushed) = (of(30.0, 20.0), of(1000.0, 40.0));
+    assert!(plain["a+b"] > 0.7 && pushed["a"] > 0.7, "{plain:?} {pushed:?}");
+}
