@@ -78,20 +78,17 @@ mod tests {
         assert!((logarithm - (2.0 + ln(0.5))).abs() < 1e-12, "{logarithm}");
     }
 
-    /// Between sizes that lie a factor of three apart, at which straight lines err by a tenth.
+    /// Between sizes that lie a factor of three apart; straight lines are off by 0.12 at the worst of these.
     #[test]
     fn curves_bend_with_noise_and_shares() {
         for (of, about) in [
             ((|size| ln(1.0 + size)) as fn(f64) -> f64, "logarithm of a noise"),
-            (|share| ln(share / (2.1 - share)), "log-odds"),
+            (|share| ln(share / (3.3 - share)), "log-odds"),
         ] {
             for size in [0.05, 0.1, 0.15, 0.2, 0.5, 0.8, 1.3, 2.0] {
                 let curve = at(&curved(&SIZES, size, ln), of);
                 let expected = if size < 0.1 { size / 0.1 * of(0.1) } else { of(size) };
-                assert!(
-                    (curve - expected).abs() < 0.04 * expected.abs().max(0.5),
-                    "{about}, {size}: {curve} {expected}"
-                );
+                assert!((curve - expected).abs() < 0.05, "{about}, {size}: {curve} {expected}");
             }
         }
     }
