@@ -119,8 +119,7 @@ impl Making<'_> {
         for i in 0..2 {
             self.push([(size.start + i, of_size)]);
         }
-        let middle_m = 0.5 * (self.shape.near_far_m[0] + self.shape.near_far_m[1]);
-        let off_axis = self.shape.off_rad * self.shape.off_rad * self.shape.off_scale(middle_m);
+        let off_axis = self.shape.off_rad * self.shape.off_rad * self.shape.off_scale(self.shape.middle_m());
         self.push([(size.start + curve, of_size / off_axis.max(1e-6))]);
         self.push([(size.start + curve + 1, of_size)]);
         let off = self.shape.off_rad.max(1e-3);

@@ -178,7 +178,14 @@ impl Shape {
     #[must_use]
     pub fn off_columns(&self) -> [(usize, f64); 3] {
         let bearing = self.width(Numbers::Size);
-        [(self.curve_width(), if self.ranges { 1.0 } else { 30.0 }), (bearing + 1, 0.05), (bearing + 2, 0.5)]
+        let of_size = if self.ranges { 1.0 } else { 10.0 / self.off_scale(self.middle_m()) };
+        [(self.curve_width(), of_size), (bearing + 1, 0.05), (bearing + 2, 0.5)]
+    }
+
+    /// Halfway between the distances at which landmarks are seen.
+    #[must_use]
+    pub fn middle_m(&self) -> f64 {
+        0.5 * (self.near_far_m[0] + self.near_far_m[1])
     }
 
     /// What goes with the square of the angle off the axis: a range, and a depth that is taken for one, part in proportion to

@@ -39,21 +39,29 @@ pub fn curved(sizes: &[f64], size: f64, scale: fn(f64) -> f64) -> Vec<f64> {
     }
     let first = above.saturating_sub(POINTS / 2).min(sizes.len() - POINTS);
     let of = first..first + POINTS;
+    lagrange(sizes, of, scale, size, |_| 1.0)
+}
+
+/// Weights on the polynomial through nothing at no size and what was found at some of the sizes.
+#[must_use]
+pub fn through(sizes: &[f64], of: std::ops::Range<usize>, size: f64) -> Vec<f64> {
+    lagrange(sizes, of, |size| size, size, |at| size / at)
+}
+
+/// Weights on the polynomial in `scale` of the size through some of the sizes (Lagrange); `besides` is what further points, at
+/// which nothing is found, make of the weight of each.
+fn lagrange(
+    sizes: &[f64],
+    of: std::ops::Range<usize>,
+    scale: fn(f64) -> f64,
+    size: f64,
+    besides: impl Fn(f64) -> f64,
+) -> Vec<f64> {
     let mut weights = vec![0.0; sizes.len()];
     for k in of.clone() {
         let others = of.clone().filter(|j| *j != k).map(|j| scale(sizes[j]));
-        weights[k] = others.fold(1.0, |weight, other| weight * (scale(size) - other) / (scale(sizes[k]) - other));
-    }
-    weights
-}
-
-/// Weights on the polynomial through nothing at no size and what was found at some of the sizes (Lagrange).
-#[must_use]
-pub fn through(sizes: &[f64], of: std::ops::Range<usize>, size: f64) -> Vec<f64> {
-    let mut weights = vec![0.0; sizes.len()];
-    for k in of.clone() {
-        let others = of.clone().filter(|j| *j != k).map(|j| sizes[j]);
-        weights[k] = others.fold(size / sizes[k], |weight, other| weight * (size - other) / (sizes[k] - other));
+        let first = besides(sizes[k]);
+        weights[k] = others.fold(first, |weight, other| weight * (scale(size) - other) / (scale(sizes[k]) - other));
     }
     weights
 }

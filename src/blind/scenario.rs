@@ -232,9 +232,10 @@ impl Asked {
                 );
             }
             Some(_) if self.without_truth || self.without_truth_share > 0.0 => {
+                let key = if self.without_truth { "without_truth" } else { "without_truth_share" };
                 let message =
-                    "without_truth needs keys before a diagnosis; those of cases_from are opened after all of them";
-                fault("without_truth".into(), message.into());
+                    format!("{key} needs keys before a diagnosis; those of cases_from are opened after all of them");
+                fault(key.into(), message);
             }
             _ => {}
         }

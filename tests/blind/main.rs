@@ -341,7 +341,7 @@ fn scenarios_are_checked_and_the_shipped_ones_are_sound() {
         ("salt = \"1000\"", "salt = \"1000\"\ncases_from = \"x\"", "exclude each other"),
         ("salt = \"1000\"", "cases_from = \"x\"\nwithout_truth = true", "opened after all of them"),
         ("salt = \"1000\"", "salt = \"1000\"\nwithout_truth_share = 1.5", "must lie in 0..=1, not 1.5"),
-        ("salt = \"1000\"", "cases_from = \"x\"\nwithout_truth_share = 0.2", "opened after all of them"),
+        ("salt = \"1000\"", "cases_from = \"x\"\nwithout_truth_share = 0.2", "without_truth_share needs keys before"),
         ("measure = \"none_called_else\"", "measure = \"nothing\"", "unknown variant"),
         ("schema = 1", "schema = 2", "schema must be 1 for this program, not 2"),
     ] {

@@ -71,7 +71,7 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
         let told = if of_truth > 0.0 { (of_truth - even) / of_truth } else { 0.0 };
         let leader = leader(&case.evidence);
         let (top_single, leader_nats) = (top_single(&case.evidence), nats(&case.evidence, leader));
-        let lasting = calibration.beyond_counts(top_single);
+        let lasting = calibration.lasting(top_single);
         let lasting_slope = -calibration.fade_beyond * top_single * lasting * lasting;
         let off = |cause: &str, p: f64| {
             let sharp = (p - even) / (1.0 - SLIP);

@@ -185,17 +185,17 @@ impl Calibration {
         let weight = self.tau / (1.0 + self.fade * greatest(evidence));
         let singles = evidence.keys().filter(|cause| is_single(cause)).count().max(1) as f64;
         let top = top_single(evidence);
-        let counts = self.beyond_counts(top);
+        let lasting = self.lasting(top);
         let named = |cause: &str| {
             let (of_top, beyond) = parts(cause, nats(evidence, cause), top);
-            let (class, beyond) = self.beyond(cause, counts * beyond);
+            let (class, beyond) = self.beyond(cause, lasting * beyond);
             ln(prior(cause, singles)) + self.beta(class) + weight * of_top + self.tau * beyond
         };
         let leader = leader(evidence);
         let (of_leader, leader_nats) = (named(leader), nats(evidence, leader));
         let block = |cause: &str| {
             let beyond = nats(evidence, cause) - leader_nats;
-            of_leader + ln(PRIOR_UNKNOWN) + self.beta(cause) + self.tau_beyond * counts * beyond
+            of_leader + ln(PRIOR_UNKNOWN) + self.beta(cause) + self.tau_beyond * lasting * beyond
         };
         let score = |cause: &'a str| (cause, if is_unknown(cause) { block(cause) } else { named(cause) });
         evidence.keys().map(|cause| score(cause)).chain([score(NONE)]).collect()
@@ -223,8 +223,8 @@ impl Calibration {
         self.beta.get(class).copied().unwrap_or(0.0)
     }
 
-    /// What counts of a nat beyond an effect of which there is so much evidence.
-    fn beyond_counts(&self, top_single: f64) -> f64 {
+    /// The share of what is said beyond an effect that counts, where there is so much evidence of the effect.
+    fn lasting(&self, top_single: f64) -> f64 {
         1.0 / (1.0 + self.fade_beyond * top_single)
     }
 
