@@ -4,8 +4,10 @@
 use std::path::Path;
 use std::process::Command;
 
-/// Nothing that learns a response uses what is in here (tests/arrows.rs): when it changes, responses are as good as before.
-const LEARNS_NOTHING: &str = "gap/src/real";
+/// Nothing that learns a response uses what is in these (tests/arrows.rs): when they change, responses are as good as before.
+const LEARN_NOTHING: [&str; 3] = ["gap/src/answer", "gap/src/real", WEIGHS];
+/// What planted cases are weighed by, beside responses.
+const WEIGHS: &str = "gap/src/weigh";
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -17,19 +19,21 @@ fn main() {
         println!("cargo::rustc-env={ours}={}", std::env::var(cargos).unwrap_or_default());
     }
     println!("cargo::rerun-if-changed=gap/src");
-    let mut hash = 0xcbf2_9ce4_8422_2325;
-    digest(Path::new("gap/src"), &mut hash);
-    println!("cargo::rustc-env=ASAMI_GAP={hash:016x}");
+    for (ours, folder, but) in [("ASAMI_LEARNS", "gap/src", &LEARN_NOTHING[..]), ("ASAMI_WEIGHS", WEIGHS, &[])] {
+        let mut hash = 0xcbf2_9ce4_8422_2325;
+        digest(Path::new(folder), but, &mut hash);
+        println!("cargo::rustc-env={ours}={hash:016x}");
+    }
 }
 
-/// Fowler, Noll and Vo's hash (FNV-1a) over names and contents of all files below, in order of their names.
-fn digest(path: &Path, hash: &mut u64) {
+/// Fowler, Noll and Vo's hash (FNV-1a) over names and contents of all files below, in order of their names, but those in some folders.
+fn digest(path: &Path, but: &[&str], hash: &mut u64) {
     let mut below: Vec<_> = std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
-    below.retain(|path| path != Path::new(LEARNS_NOTHING));
+    below.retain(|path| !but.iter().any(|folder| path == Path::new(folder)));
     below.sort();
     let contents = if path.is_file() { std::fs::read(path).unwrap_or_default() } else { Vec::new() };
     for byte in path.to_string_lossy().bytes().chain(contents) {
         *hash = (*hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     }
-    below.iter().for_each(|path| digest(path, hash));
+    below.iter().for_each(|path| digest(path, but, hash));
 }

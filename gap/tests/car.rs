@@ -4,9 +4,9 @@ use std::sync::{Arc, LazyLock};
 
 use asami_dataset::{Action, Command, Firings, Log, Seed};
 use asami_gap::drive::{Base, Drives, Entry};
-use asami_gap::evidence::{CLOSE, weigh};
 use asami_gap::library::play;
 use asami_gap::view::CannotSee;
+use asami_gap::weigh::evidence::{CLOSE, weigh};
 use asami_gap::{Budget, Planted, Responds, Variant};
 
 mod town;

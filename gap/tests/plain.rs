@@ -3,12 +3,12 @@
 use std::sync::OnceLock;
 
 use asami_dataset::{Channel, Log, Seed};
-use asami_gap::evidence::{CLOSE, Weighed, weigh};
-use asami_gap::experiment::{Course, best, promise};
-use asami_gap::how_far::misfit;
+use asami_gap::answer::experiment::{Course, best, promise};
+use asami_gap::answer::how_far::misfit;
 use asami_gap::library::{Budget, play};
 use asami_gap::race::Pace;
 use asami_gap::touch::Touch;
+use asami_gap::weigh::evidence::{CLOSE, Weighed, weigh};
 use asami_gap::{Calibration, Diagnoser, Library, Planted, Responds, Variant};
 
 mod world;
@@ -178,7 +178,7 @@ fn without_a_gap_nothing_is_named_and_what_would_have_shown_is_said() {
     let (calibration, variants) = (Calibration::default(), variants());
     let diagnoser = Diagnoser { library: library(), calibration: &calibration, variants: &variants, courses: &() };
     let diagnosis = diagnoser.diagnose(&log(&[], 52)).unwrap();
-    assert_eq!(diagnosis.verdict, asami_gap::diagnosis::Verdict::None);
+    assert_eq!(diagnosis.verdict, asami_gap::answer::diagnosis::Verdict::None);
     assert!(diagnosis.places.is_empty());
     // A bias shows in the mean of n heights of standard deviation 1 px: n b^2 / 2 = 12 nats, a little later where the
     // pose must be found from the same heights.

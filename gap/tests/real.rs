@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use asami_dataset::log::RangeBearing;
 use asami_dataset::{Command, Known, Log, Seed, Sighting};
+use asami_gap::answer::diagnosis::{Diagnosis, Verdict};
 use asami_gap::aside::Aside;
-use asami_gap::diagnosis::{Diagnosis, Verdict};
 use asami_gap::library::{Budget, play};
 use asami_gap::real::layers::{Least, layers, planted as of_layers};
 use asami_gap::shape::Numbers;

@@ -1,7 +1,7 @@
 //! Diagnoses of a scanner by its own table, in towns that it has no map of.
 
 use asami_dataset::{Log, Seed};
-use asami_gap::diagnosis::{Cause, Verdict};
+use asami_gap::answer::diagnosis::{Cause, Verdict};
 use asami_gap::library::play;
 use asami_gap::real::scanner::agrees::Agreement;
 use asami_gap::real::scanner::{Found, corrected, diagnose};

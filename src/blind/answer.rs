@@ -1,11 +1,12 @@
 //! A diagnosis held against the key.
 
 use asami_gap::Diagnosis;
-use asami_gap::diagnosis::{Cause, Verdict};
+use asami_gap::answer::diagnosis::{Cause, Verdict};
 use asami_gap::{Likelihood, Planted, Variant};
 use serde::{Deserialize, Serialize};
 
-use super::referee::{Reference, stands_for};
+use super::next::Next;
+use super::referee::{Effect, Reference, stands_for};
 
 /// The word for no cause.
 pub const NONE: &str = "none";
@@ -51,6 +52,9 @@ pub struct Answer {
     pub closed_claimed: Option<f64>,
     /// Of *unknown*: what it is said to behave like.
     pub behaves_like: Option<String>,
+    /// Of a tie: what the log that was asked for next shows of it.
+    #[serde(default)]
+    pub next: Option<Next>,
     /// Why there is no diagnosis; empty if there is one.
     pub error: String,
 }
@@ -59,8 +63,9 @@ pub struct Answer {
 pub struct Key<'a> {
     /// What was planted, and how far it shows.
     pub reference: &'a Reference,
-    /// Whether the truth was taken out of the catalogue, so that *unknown* is the right answer.
-    pub withheld: bool,
+    /// Names that were taken out of the catalogue: *unknown* is the right answer where the truth is among them, and where a
+    /// part of it is, so is the other part alone.
+    pub withheld: &'a [String],
     /// The likelihood of the referee.
     pub likelihood: &'a dyn Likelihood,
     /// Every kind of effect that fits.
@@ -70,11 +75,14 @@ pub struct Key<'a> {
 impl Key<'_> {
     /// Whether a cause of these words is the truth.
     fn is(&self, words: &[String]) -> bool {
-        if self.withheld {
-            return matches!(words, [word] if word.split('/').next() == Some(UNKNOWN));
-        }
+        let truth = &self.reference.effects;
+        let listed: Vec<&Effect> = truth.iter().filter(|effect| !self.withheld.contains(&effect.name)).collect();
         let effects: &[String] = if words == [NONE] { &[] } else { words };
-        stands_for(effects, &self.reference.effects)
+        if listed.len() == truth.len() {
+            return stands_for(effects, &listed);
+        }
+        let is_unknown = matches!(words, [word] if word.split('/').next() == Some(UNKNOWN));
+        is_unknown || (!listed.is_empty() && stands_for(effects, &listed))
     }
 
     /// Holds a diagnosis against the truth.

@@ -67,6 +67,12 @@ impl Planting {
         Case { number, planted, seed: Seed(rng.random::<u64>() >> 1) }
     }
 
+    /// The seed of another log of the same world.
+    #[must_use]
+    pub fn seed_of_next(&self, number: usize) -> Seed {
+        Seed(stream("asami 2026 next log", &self.salt, number).random::<u64>() >> 1)
+    }
+
     /// Effects that may be planted, with their places in the catalogue: those that fit the robot, have a law and
     /// are not nominally on.
     fn candidates(&self) -> Vec<(usize, &'static About)> {
@@ -104,9 +110,9 @@ impl Case {
     }
 }
 
-/// A number from 0 to 1 for each case, independent of all that is in it.
-pub(super) fn chance(salt: &str, number: usize) -> f64 {
-    stream("asami 2026 withheld truth", salt, number).random()
+/// A number from 0 to 1 for each case and question, independent of all that is in it.
+pub(super) fn chance(of: &str, salt: &str, number: usize) -> f64 {
+    stream(of, salt, number).random()
 }
 
 /// A hash that cannot be turned round, so that no case tells of the salt or of another case.

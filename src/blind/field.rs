@@ -5,20 +5,26 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use asami_dataset::Log;
-use asami_gap::calibration::{Calibration, Case};
-use asami_gap::rivals::{AllAtOnce, ForwardSelection};
+use asami_gap::answer::calibration::Calibration;
+use asami_gap::answer::experiment::Courses;
+use asami_gap::answer::rivals::{AllAtOnce, ForwardSelection};
+use asami_gap::weigh::practice::Case;
 use asami_gap::{Budget, CannotDiagnose, Diagnoser, Diagnoses, Diagnosis, Judges, Variant};
 
 use super::scenario::{Asked, Blind};
 use super::walk::Contest;
+use crate::diagnose::courses::Played;
 use crate::diagnose::progress::Listener;
 use crate::diagnose::shelf::{CannotShelve, Shelf, Shelved, less};
+use crate::scenario::Simulation;
 
 /// All that take part in a blind sweep.
 pub struct Field {
     asked: Asked,
     shelved: Shelved,
     cases: Vec<Case>,
+    /// Where the next experiment is asked for.
+    courses: Option<Played>,
     /// By what is taken out of the list: to learn one takes longer than to diagnose a log.
     calibrations: Mutex<BTreeMap<Vec<String>, Calibration>>,
 }
@@ -39,7 +45,8 @@ impl Field {
         if make > 0 {
             cases = shelved.cases(&blind.world, blind.world.duration_s, make, listener)?;
         }
-        let field = Self { asked: blind.asked.clone(), shelved, cases, calibrations: Mutex::default() };
+        let courses = blind.asked.next_experiment.then(|| Played::new(&blind.world, blind.world.duration_s));
+        let field = Self { asked: blind.asked.clone(), shelved, cases, courses, calibrations: Mutex::default() };
         field.calibrated(&[]);
         Ok(field)
     }
@@ -72,7 +79,8 @@ impl Diagnoses for Ours<'_> {
 
     fn diagnose(&self, log: &Log) -> Result<Diagnosis, CannotDiagnose> {
         let library = &self.field.shelved.library;
-        let diagnoser = Diagnoser { library, calibration: &self.calibration, variants: &self.variants, courses: &() };
+        let courses: &dyn Courses = self.field.courses.as_ref().map_or(&(), |played| played);
+        let diagnoser = Diagnoser { library, calibration: &self.calibration, variants: &self.variants, courses };
         Diagnoses::diagnose(&diagnoser, log)
     }
 }
@@ -105,6 +113,10 @@ impl Contest for Field {
             }
         };
         self.asked.diagnosers.iter().map(of).collect()
+    }
+
+    fn driven(&self, keys: &str) -> Option<Simulation> {
+        self.courses.as_ref().and_then(|played| played.driven(keys))
     }
 
     fn fingerprint(&self) -> String {

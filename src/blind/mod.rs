@@ -5,6 +5,7 @@ pub mod answer;
 pub mod draw;
 pub mod field;
 pub mod folder;
+pub mod next;
 pub mod referee;
 pub mod rows;
 pub mod scenario;

@@ -51,6 +51,10 @@ pub struct Reference {
     /// `l(truth)` less the best of the hypotheses outside the truth's group, each less its half `k log n`; without an
     /// effect, *none* is the truth.
     pub d_sep: Option<f64>,
+    /// What the least evident effect shows beside the others: `l(truth)` less the best of the hypotheses that lack it and
+    /// keep the others, at any sizes, each less its half `k log n`. Of one effect it is `d_det`.
+    #[serde(default)]
+    pub d_each: Option<f64>,
     /// Observations.
     pub observations: usize,
 }
@@ -82,10 +86,20 @@ pub fn judge(likelihood: &dyn Likelihood, planted: &[Planted], variants: &[Varia
         rivals.extend(finer);
     }
     let effects: Vec<Effect> = (0..planted.len()).map(|i| effect(likelihood, planted, i, &rivals, asked)).collect();
-    let outside = rivals.iter().filter(|rival| !stands_for(&names(&rival.planted), &effects));
+    let of_truth: Vec<&Effect> = effects.iter().collect();
+    let outside = rivals.iter().filter(|rival| !stands_for(&names(&rival.planted), &of_truth));
     let best = outside.map(|rival| rival.score).fold(f64::NEG_INFINITY, f64::max);
     let d_det = (!planted.is_empty()).then(|| score(planted) - none);
-    Reference { effects, none, truth: Some(truth), d_det, d_sep: Some(score(planted) - best), observations }
+    let lacking = (0..planted.len()).map(|i| lacking(planted, i, &score)).reduce(f64::max);
+    Reference {
+        effects,
+        none,
+        truth: Some(truth),
+        d_det,
+        d_sep: Some(score(planted) - best),
+        d_each: lacking.map(|lacking| score(planted) - lacking),
+        observations,
+    }
 }
 
 /// Judges a case whose truth the catalogue has no name for, and the referee no likelihood: only where it acts is known.
@@ -107,8 +121,31 @@ pub fn judge_unlisted(likelihood: &dyn Likelihood, unlisted: &[Unlisted]) -> Ref
         truth: None,
         d_det: None,
         d_sep: None,
+        d_each: None,
         observations: likelihood.observations(),
     }
+}
+
+/// The best score without the `i`-th effect: of two, the other one is free to be of any size.
+fn lacking(planted: &[Planted], i: usize, score: &dyn Fn(&[Planted]) -> f64) -> f64 {
+    let rest: Vec<Planted> = planted.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, it)| it.clone()).collect();
+    let free = match &rest[..] {
+        [only] => coarse(&only.variant, &[], score).map(|found| finer(&found, score).score),
+        _ => None,
+    };
+    free.unwrap_or(f64::NEG_INFINITY).max(score(&rest))
+}
+
+/// By how many nats a log speaks for one effect over another, each alone, of whatever kind and size its law has.
+#[must_use]
+pub fn speaks_for(likelihood: &dyn Likelihood, [one, other]: [&str; 2], variants: &[Variant]) -> f64 {
+    let score = |effects: &[Planted]| likelihood.log_likelihood(effects);
+    let best = |name: &str| {
+        let kinds = variants.iter().filter(|variant| variant.about.name == name);
+        let found = kinds.filter_map(|variant| coarse(variant, &[], &score)).map(|found| finer(&found, &score).score);
+        found.fold(f64::NEG_INFINITY, f64::max)
+    };
+    best(one) - best(other)
 }
 
 /// What stays of the truth while another effect is tried: nothing, and of two effects each.
@@ -123,7 +160,7 @@ fn names(planted: &[Planted]) -> Vec<String> {
 
 /// Whether effects of these names are the truth, one for one, or what cannot be told from it.
 #[must_use]
-pub fn stands_for(names: &[String], truth: &[Effect]) -> bool {
+pub fn stands_for(names: &[String], truth: &[&Effect]) -> bool {
     let is_of = |name: &String, effect: &Effect| effect.group.contains(name);
     match (names, truth) {
         ([], []) => true,

@@ -10,7 +10,8 @@ use crate::sweep::rows::{optional, push, quoted};
 pub const COLUMNS: &str = "scenario,diagnoser,case,effects_true,d_det,d_sep,verdict,effects_named,probability,\
                            top_group_right,in_set90,set_size,place_right,parameter_error,excess_before,excess_after,\
                            closed,oracle_closed,effect_withheld,named_right,true_probability,parameter_covered,\
-                           closed_claimed,behaves_like,sizes_true,groups_true,observations,error";
+                           closed_claimed,behaves_like,sizes_true,groups_true,observations,d_each,next_nats,\
+                           again_nats,error";
 
 /// Every case of every diagnoser, by case and then by diagnoser.
 #[must_use]
@@ -27,12 +28,13 @@ pub fn trials(results: &Results) -> String {
 fn row(scenario: &str, diagnoser: &str, record: &Record, answer: &Answer) -> Vec<String> {
     let reference = record.reference.as_ref();
     let effects = || reference.into_iter().flat_map(|reference| &reference.effects);
-    let truth = match (&record.planted[..], &record.withheld[..]) {
-        ([], _) => NONE.to_owned(),
-        (_, [_, ..]) => UNKNOWN.to_owned(),
-        (planted, _) => planted.join("+"),
-    };
-    let withheld = if record.withheld.is_empty() { String::new() } else { record.planted.join("+") };
+    let listed = record.listed();
+    let mut words: Vec<&str> = listed.iter().map(|name| name.as_str()).collect();
+    if listed.len() < record.planted.len() {
+        words.push(UNKNOWN);
+    }
+    let truth = if words.is_empty() { NONE.to_owned() } else { words.join("+") };
+    let withheld: Vec<&str> = record.planted.iter().filter(|name| !listed.contains(name)).map(String::as_str).collect();
     let answered = !answer.verdict.is_empty();
     // What was never answered has no numbers, and is right in nothing.
     let of_answer = |value: String| if answered { value } else { String::new() };
@@ -61,7 +63,7 @@ fn row(scenario: &str, diagnoser: &str, record: &Record, answer: &Answer) -> Vec
         numbers(answer.excess_after),
         optional(answer.closed),
         optional(answer.oracle_closed),
-        withheld,
+        withheld.join("+"),
         answer.named_right.to_string(),
         numbers(answer.true_probability),
         flag(answer.parameter_covered),
@@ -70,6 +72,9 @@ fn row(scenario: &str, diagnoser: &str, record: &Record, answer: &Answer) -> Vec
         sizes.join(" "),
         groups.join(" "),
         reference.map_or_else(String::new, |reference| reference.observations.to_string()),
+        optional(reference.and_then(|reference| reference.d_each)),
+        optional(answer.next.map(|next| next.advised_nats)),
+        optional(answer.next.map(|next| next.again_nats)),
         quoted(error),
     ]
 }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Mix;
 use super::draw::chance;
+use super::referee::Effect;
 use crate::scenario::{Bad, Origin, Scenario, Simulation, parse as parse_nominal, wire};
 
 /// Names of the diagnosers.
@@ -64,6 +65,14 @@ pub struct Asked {
     /// The same of only so many of the cases: a share, drawn case by case.
     #[serde(default)]
     pub without_truth_share: f64,
+    /// Whether of two planted effects one, by chance, is taken out of the catalogue with its group: the other may be named, and
+    /// *unknown* may, but nothing else.
+    #[serde(default)]
+    pub without_one_of_two: bool,
+    /// Whether, where causes are tied, the log that is asked for next is recorded in the true world, and beside it another
+    /// with the old commands.
+    #[serde(default)]
+    pub next_experiment: bool,
     /// Effects that act alike whatever their sizes, by groups: part of the question, so that they are frozen before
     /// any key is opened.
     #[serde(default)]
@@ -98,6 +107,10 @@ asami_dataset::parameters! {
 pub enum Measure {
     /// Share of the planted cases whose most probable cause is of the truth's group.
     TopGroupRight,
+    /// Share of the planted cases of which what is named is the truth, effect by effect.
+    NamedRight,
+    /// Share of the planted cases of which no effect is named that is not there.
+    NothingElseNamed,
     /// Share of the cases whose 90 % set holds the truth.
     InSet90,
     /// Mean number of causes in the 90 % set.
@@ -122,6 +135,13 @@ pub enum Measure {
     ClosedLow,
     /// Mean distance between probability and share right, over ten bins of probability.
     CalibrationError,
+    /// Share of the ties, of which other commands are said to split them, that a log so driven splits: it speaks for the truth
+    /// by three nats and more.
+    NextSplits,
+    /// Share of them of which a log with the old commands, as long, does so.
+    AgainSplits,
+    /// Share of them of which the one speaks louder for the truth than the other.
+    NextBeatsAgain,
 }
 
 /// An expected answer.
@@ -136,6 +156,8 @@ pub struct Expect {
     pub d_sep_min: Option<f64>,
     /// Only over cases whose truth is separated by less.
     pub d_sep_max: Option<f64>,
+    /// Only over cases each of whose effects shows, beside the others, by at least so many nats.
+    pub each_min: Option<f64>,
     /// Only over cases with so many effects.
     pub effects: Option<usize>,
     /// It is at least this.
@@ -209,10 +231,20 @@ fn world(asked: &Asked, nominal: &dyn Fn(&str) -> Result<String, String>) -> Res
 }
 
 impl Asked {
-    /// Whether the group of a case's true effect is taken out of the catalogue.
+    /// What is taken out of the catalogue for a case with these effects.
     #[must_use]
-    pub fn withholds(&self, number: usize) -> bool {
-        self.without_truth || chance(&self.salt, number) < self.without_truth_share
+    pub fn withheld(&self, number: usize, effects: &[Effect]) -> Vec<String> {
+        if self.without_truth || chance("asami 2026 withheld truth", &self.salt, number) < self.without_truth_share {
+            return effects.iter().flat_map(|effect| effect.group.clone()).collect();
+        }
+        match effects {
+            [one, two] if self.without_one_of_two => {
+                let heads = chance("asami 2026 withheld one of two", &self.salt, number) < 0.5;
+                let (out, stays) = if heads { (one, two) } else { (two, one) };
+                out.group.iter().filter(|name| **name != stays.name).cloned().collect()
+            }
+            _ => Vec::new(),
+        }
     }
 
     fn faults(&self) -> Vec<Fault> {
@@ -231,13 +263,21 @@ impl Asked {
                     "cases_from (another program's cases) and salt (our own) exclude each other".into(),
                 );
             }
-            Some(_) if self.without_truth || self.without_truth_share > 0.0 => {
-                let key = if self.without_truth { "without_truth" } else { "without_truth_share" };
-                let message =
-                    format!("{key} needs keys before a diagnosis; those of cases_from are opened after all of them");
-                fault(key.into(), message);
+            Some(_) => {
+                let needs = [
+                    ("without_truth", self.without_truth),
+                    ("without_truth_share", self.without_truth_share > 0.0),
+                    ("without_one_of_two", self.without_one_of_two),
+                    ("next_experiment", self.next_experiment),
+                ];
+                for (key, _) in needs.into_iter().filter(|(_, is_set)| *is_set) {
+                    let message = format!(
+                        "{key} needs keys before a diagnosis; those of cases_from are opened after all of them"
+                    );
+                    fault(key.into(), message);
+                }
             }
-            _ => {}
+            None => {}
         }
         if !(0.0..=1.0).contains(&self.without_truth_share) {
             let message = format!("without_truth_share must lie in 0..=1, not {}", self.without_truth_share);

@@ -29,6 +29,12 @@ pub fn all(results: &Results) -> Vec<(String, Table)> {
     let mut tables = vec![("blind".to_owned(), strata(results)), ("none".to_owned(), without_effect(results))];
     tables.extend(diagnosers().map(|(i, name)| (format!("confusion_{name}"), matrix(results, i, name))));
     tables.push(("power".to_owned(), powers(results)));
+    if results.records.iter().any(|record| record.planted.len() > 1) {
+        tables.push(("two".to_owned(), two_effects(results)));
+    }
+    if results.blind.asked.next_experiment {
+        tables.push(("next".to_owned(), next_logs(results)));
+    }
     tables
 }
 
@@ -102,6 +108,57 @@ fn without_effect(results: &Results) -> Table {
     table
 }
 
+/// Cases with two effects, by what the one that shows less shows beside the other.
+fn two_effects(results: &Results) -> Table {
+    let heads = [
+        "diagnoser",
+        "each beside the other (nats)",
+        "cases",
+        "named as it is",
+        "nothing else named",
+        "called unknown",
+        "wrong name where P >= 0.9",
+    ];
+    let mut table = Table::new("Two effects", &heads).caption(
+        "Cases with two effects, by how many nats the log would be less likely without the one that shows less, the other of          any size. Good: from 10 nats on both named in >= 0.8, and nothing that is not there in >= 0.9; of one in the list          and one that is not a wrong name with P >= 0.9 in <= 0.05.",
+    );
+    for (i, name) in results.blind.asked.diagnosers.iter().enumerate() {
+        for stratum in STRATA {
+            let is_in = |it: &Asked<'_>| stratum.holds_nats(it.reference.d_each);
+            let cases: Vec<Asked<'_>> =
+                asked(results, i).filter(|it| it.record.planted.len() == 2 && is_in(it)).collect();
+            let cells = [
+                name.as_str().into(),
+                stratum.name.into(),
+                Cell::number(cases.len() as f64, 0),
+                cell(measure(Measure::NamedRight, &cases), 3),
+                cell(measure(Measure::NothingElseNamed, &cases), 3),
+                cell(measure(Measure::Unknown, &cases), 3),
+                cell(measure(Measure::ConfidentlyMisnamed, &cases), 3),
+            ];
+            table = table.row(is_ours(name), cells);
+        }
+    }
+    table
+}
+
+/// Ties, and what other logs make of them.
+fn next_logs(results: &Results) -> Table {
+    let heads = ["diagnoser", "ties with advice", "split as advised", "split by old commands", "advised says more"];
+    let mut table = Table::new("What to record next", &heads).caption(
+        "Logs in which the truth is one of the two most probable effects, neither is ruled out, and commands are advised that          should split them. Both logs are then recorded in the true world, as long as the first: as advised, and with the old          commands. Split: the log speaks for the truth by 3 nats and more. Good: >= 0.8 as advised, and more than by old          commands.",
+    );
+    for (i, name) in results.blind.asked.diagnosers.iter().enumerate() {
+        let all: Vec<Asked<'_>> = asked(results, i).collect();
+        let ties = all.iter().filter(|it| it.answer.next.is_some()).count();
+        let of = |what: Measure| cell(measure(what, &all), 3);
+        let shares = [Measure::NextSplits, Measure::AgainSplits, Measure::NextBeatsAgain].map(of);
+        let cells = [name.as_str().into(), Cell::number(ties as f64, 0)].into_iter().chain(shares);
+        table = table.row(is_ours(name), cells);
+    }
+    table
+}
+
 /// Truths down, names across.
 fn matrix(results: &Results, i: usize, name: &str) -> Table {
     let counts = confusion(asked(results, i));
@@ -161,6 +218,7 @@ fn verdict(results: &Results, expect: &Expect) -> Verdict {
         let (least, most) = (expect.d_sep_min, expect.d_sep_max);
         let nats = least.unwrap_or(f64::NEG_INFINITY)..most.unwrap_or(f64::INFINITY);
         ((least, most) == (None, None) || it.is_separated(nats))
+            && expect.each_min.is_none_or(|least| it.reference.d_each.is_some_and(|nats| nats >= least))
             && expect.effects.is_none_or(|count| it.record.planted.len() == count)
     };
     let cases: Vec<Asked<'_>> = i.map_or_else(Vec::new, |i| asked(results, i).filter(is_asked).collect());
@@ -173,10 +231,11 @@ fn verdict(results: &Results, expect: &Expect) -> Verdict {
     let from = expect.d_sep_min.map_or_else(String::new, |least| format!(" from {least} nats on"));
     let to = expect.d_sep_max.map_or_else(String::new, |most| format!(" below {most} nats"));
     let count = expect.effects.map_or_else(String::new, |count| format!(" with {count} effects"));
+    let each = expect.each_min.map_or_else(String::new, |least| format!(" that each show by {least} nats"));
     let found = measured.value.map_or_else(|| "no number".to_owned(), |value| format!("{value:.3}"));
     let what = head(expect.measure);
     let claim = format!(
-        "{}: {what}{count}{from}{to}: {} ({found}, {} cases)",
+        "{}: {what}{count}{each}{from}{to}: {} ({found}, {} cases)",
         expect.diagnoser,
         bounds.join(", "),
         cases.len()
@@ -191,6 +250,11 @@ fn head(measure: Measure) -> &'static str {
         Measure::ConfidentlyMisnamed => "given a wrong name with P >= 0.9",
         Measure::ClosedLow => "10th percentile of closed / oracle's",
         Measure::CalibrationError => "calibration error",
+        Measure::NamedRight => "what is named is the truth",
+        Measure::NothingElseNamed => "nothing named that is not there",
+        Measure::NextSplits => "ties that the advised log splits",
+        Measure::AgainSplits => "ties that another log of old commands splits",
+        Measure::NextBeatsAgain => "ties of which the advised log says more than another of old commands",
         other => MEASURED.iter().find(|(it, _, _)| *it == other).map_or("", |(_, head, _)| *head),
     }
 }

@@ -4,6 +4,7 @@ use asami_math::elementary::{exp, ln};
 use asami_math::statistics::{median, wilson_interval};
 
 use super::answer::{Answer, NONE, UNKNOWN};
+use super::next::Next;
 use super::referee::Reference;
 use super::scenario::Measure;
 use super::walk::{Record, Results};
@@ -30,6 +31,11 @@ impl Asked<'_> {
     #[must_use]
     pub fn is_separated(&self, nats: std::ops::Range<f64>) -> bool {
         self.reference.d_sep.is_some_and(|d_sep| nats.contains(&d_sep))
+    }
+
+    fn names_nothing_else(&self) -> bool {
+        let is_there = |name: &String| self.reference.effects.iter().any(|effect| effect.group.contains(name));
+        self.answer.named.iter().all(|name| name == NONE || name == UNKNOWN || is_there(name))
     }
 }
 
@@ -85,9 +91,14 @@ impl Stratum {
     /// Whether a case belongs to it.
     #[must_use]
     pub fn holds(&self, asked: &Asked<'_>) -> bool {
+        self.holds_nats(asked.reference.d_sep)
+    }
+
+    /// Whether so many nats do. Of some cases nobody can say how many.
+    #[must_use]
+    pub fn holds_nats(&self, nats: Option<f64>) -> bool {
         let is_all = (self.from, self.to) == (f64::NEG_INFINITY, f64::INFINITY);
-        // Of some cases nobody can say how far their truth is separated.
-        is_all || asked.is_separated(self.from..self.to)
+        is_all || nats.is_some_and(|nats| (self.from..self.to).contains(&nats))
     }
 }
 
@@ -148,6 +159,11 @@ impl From<Option<f64>> for Measured {
     }
 }
 
+/// What was recorded next of those that were tied.
+fn followed<'a>(cases: &'a [Asked<'_>]) -> impl Iterator<Item = Next> + 'a {
+    cases.iter().filter_map(|asked| asked.answer.next)
+}
+
 /// Measures some cases.
 #[must_use]
 pub fn measure(measure: Measure, cases: &[Asked<'_>]) -> Measured {
@@ -156,6 +172,8 @@ pub fn measure(measure: Measure, cases: &[Asked<'_>]) -> Measured {
     let mean = |values: Vec<f64>| asami_math::statistics::mean(&values);
     match measure {
         Measure::TopGroupRight => Share::over(planted().map(|asked| asked.answer.top_group_right)).into(),
+        Measure::NamedRight => Share::over(planted().map(|asked| asked.answer.named_right)).into(),
+        Measure::NothingElseNamed => Share::over(planted().map(|asked| asked.names_nothing_else())).into(),
         Measure::InSet90 => Share::over(all().map(|asked| asked.answer.in_set90)).into(),
         Measure::SetSize => mean(all().map(|asked| asked.answer.set_size as f64).collect()).into(),
         Measure::NoneCalledElse => {
@@ -198,16 +216,20 @@ pub fn measure(measure: Measure, cases: &[Asked<'_>]) -> Measured {
             let off = |bin: &Bin| (bin.right.value().unwrap_or(0.0) - bin.probability).abs() * f64::from(bin.right.of);
             (n > 0).then(|| bins.iter().map(off).fold(0.0, |sum, off| sum + off) / f64::from(n)).into()
         }
+        Measure::NextSplits => Share::over(followed(cases).map(|next| next.splits())).into(),
+        Measure::AgainSplits => Share::over(followed(cases).map(|next| next.again_splits())).into(),
+        Measure::NextBeatsAgain => Share::over(followed(cases).map(|next| next.advised_nats > next.again_nats)).into(),
     }
 }
 
 /// What is in the world, in the words of the confusion matrix.
 #[must_use]
 pub fn truth_word(record: &Record) -> String {
-    match (&record.planted[..], &record.withheld[..]) {
-        ([], _) => NONE.to_owned(),
-        (_, [_, ..]) => UNKNOWN.to_owned(),
-        ([one], _) => one.clone(),
+    match (record.planted.len(), &record.listed()[..]) {
+        (0, _) => NONE.to_owned(),
+        (1, [one]) => (*one).clone(),
+        (_, []) => UNKNOWN.to_owned(),
+        (_, [one]) => format!("{one}+{UNKNOWN}"),
         _ => "two".to_owned(),
     }
 }

@@ -13,9 +13,11 @@ use serde::{Deserialize, Serialize};
 use super::answer::{Answer, Key};
 use super::draw::{Case, Planting};
 use super::folder::{CannotOpen, Folder};
+use super::next;
 use super::referee::{self, Reference};
 use super::scenario::Blind;
 use crate::diagnose::limits::limits;
+use crate::scenario::Simulation;
 use crate::sweep::cases::Store;
 use crate::sweep::{CannotSweep, Options, Timing, Watcher};
 use crate::trial::{self, panic_message};
@@ -30,6 +32,9 @@ pub trait Contest: Sync {
 
     /// The diagnosers, in the scenario's order, with these effects out of their catalogue.
     fn diagnosers(&self, without: &[String]) -> Vec<Box<dyn Diagnoses + '_>>;
+
+    /// The nominal world driven as a diagnosis advises, by its keys; `None` where nobody advises.
+    fn driven(&self, keys: &str) -> Option<Simulation>;
 
     /// A hash of everything that they have beside the scenario: library, calibration.
     fn fingerprint(&self) -> String;
@@ -55,6 +60,12 @@ pub struct Record {
 }
 
 impl Record {
+    /// Of what is planted, what the catalogue still holds.
+    #[must_use]
+    pub fn listed(&self) -> Vec<&String> {
+        self.planted.iter().filter(|name| !self.withheld.contains(name)).collect()
+    }
+
     /// Whether something broke that was not the log's fault.
     #[must_use]
     pub fn is_broken(&self) -> bool {
@@ -236,13 +247,11 @@ fn run_case(blind: &Blind, contest: &dyn Contest, planting: &Planting, case: &Ca
         Err(error) => return record.unanswered(&error.to_string()),
     };
     let reference = referee::judge(&*likelihood, &case.planted, contest.variants(), &blind.asked);
-    if blind.asked.withholds(case.number) {
-        record.withheld = reference.effects.iter().flat_map(|effect| effect.group.clone()).collect();
-    }
+    record.withheld = blind.asked.withheld(case.number, &reference.effects);
     record.timing.log_s = began.elapsed().as_secs_f64();
     let key = Key {
         reference: &reference,
-        withheld: !record.withheld.is_empty(),
+        withheld: &record.withheld,
         likelihood: &*likelihood,
         variants: contest.variants(),
     };
@@ -250,7 +259,11 @@ fn run_case(blind: &Blind, contest: &dyn Contest, planting: &Planting, case: &Ca
     for (i, diagnoser) in diagnosers.iter().enumerate().take(record.answers.len()) {
         let told = tell(&**diagnoser, &log);
         record.timing.trials_s[i] = told.took_s;
-        record.answers[i] = told.scored(&key);
+        let next = match &told.said {
+            Ok(diagnosis) if blind.asked.next_experiment => next::follow(diagnosis, &key, contest, planting, case),
+            _ => None,
+        };
+        record.answers[i] = Answer { next, ..told.scored(&key) };
     }
     record.reference = Some(reference);
     record
@@ -288,7 +301,7 @@ fn open_and_score(
     };
     let key = Key {
         reference: &reference,
-        withheld: !record.withheld.is_empty(),
+        withheld: &record.withheld,
         likelihood: &*likelihood,
         variants: contest.variants(),
     };

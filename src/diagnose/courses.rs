@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use asami_dataset::Seed;
-use asami_gap::experiment::{Course, Courses};
+use asami_gap::answer::experiment::{Course, Courses};
 use asami_gap::library::play;
 use asami_sim::drives::explore::Exploring;
 use asami_sim::drives::pace::Pacing;

@@ -15,16 +15,18 @@ pub mod words;
 use std::path::{Path, PathBuf};
 
 use asami_dataset::Log;
-use asami_gap::calibration::{Calibration, Case, Evidence};
-use asami_gap::diagnose::Diagnoser;
-use asami_gap::diagnosis::CalibratedOn;
-use asami_gap::findings::Findings;
+use asami_gap::answer::calibration::Calibration;
+use asami_gap::answer::diagnose::Diagnoser;
+use asami_gap::answer::diagnosis::CalibratedOn;
 use asami_gap::library::Responses;
-use asami_gap::practice::LAW;
 use asami_gap::real;
 use asami_gap::real::scanner::lasers::Laser;
 use asami_gap::real::scanner::{self, Found};
 use asami_gap::view::CannotSee;
+use asami_gap::weigh::causes::Evidence;
+use asami_gap::weigh::findings::Findings;
+use asami_gap::weigh::practice::Case;
+use asami_gap::weigh::practice::LAW;
 use asami_gap::{Budget, Diagnosis, Nominal, Responds, Variant};
 use asami_sim::effects::catalogue;
 

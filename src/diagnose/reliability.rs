@@ -1,6 +1,8 @@
 //! How often probabilities given to causes were right.
 
-use asami_gap::calibration::{Calibration, Case, UNKNOWN};
+use asami_gap::answer::calibration::Calibration;
+use asami_gap::weigh::causes::UNKNOWN;
+use asami_gap::weigh::practice::Case;
 
 /// Ends of the bins of probabilities.
 const BINS: [f64; 7] = [0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95];
@@ -37,7 +39,7 @@ pub(super) fn curve(cases: &[Case]) -> Vec<[f64; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use asami_gap::calibration::Evidence;
+    use asami_gap::weigh::causes::Evidence;
 
     use super::*;
 

@@ -1,7 +1,7 @@
 //! The nominal scenario with the effects that were found: `with_effect.toml`.
 
 use asami_gap::Diagnosis;
-use asami_gap::diagnosis::{Cause, Verdict};
+use asami_gap::answer::diagnosis::{Cause, Verdict};
 use asami_sim::effect::About;
 use asami_sim::effects::{Effects, catalogue};
 use toml::{Table, Value};
@@ -95,7 +95,7 @@ fn effects(text: &str) -> Result<Effects, String> {
 mod tests {
     use std::collections::BTreeMap;
 
-    use asami_gap::diagnosis::Estimate;
+    use asami_gap::answer::diagnosis::Estimate;
 
     use super::*;
 
@@ -170,7 +170,7 @@ learner = "canonical"
             smallest_visible: BTreeMap::new(),
             astray_s: None,
             calibrated_on: None,
-            how_far: asami_gap::diagnosis::HowFar::default(),
+            how_far: asami_gap::answer::diagnosis::HowFar::default(),
         };
         assert!(cause(&diagnosis).is_none());
         diagnosis.verdict = Verdict::Tied;

@@ -5,8 +5,8 @@ use std::sync::Mutex;
 
 use asami_dataset::{Log, Seed};
 use asami_gap::Diagnosis;
-use asami_gap::diagnosis::Verdict;
-use asami_gap::groups::SPLIT_NATS;
+use asami_gap::answer::diagnosis::Verdict;
+use asami_gap::weigh::groups::SPLIT_NATS;
 use rayon::prelude::*;
 
 use super::Ready;

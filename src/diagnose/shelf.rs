@@ -4,10 +4,9 @@
 use std::path::{Path, PathBuf};
 
 use asami_dataset::{Log, Seed};
-use asami_gap::calibration::Case;
 use asami_gap::drive::{self, Drives};
 use asami_gap::library::{Base, CannotLearn, Entry, Responses, play};
-use asami_gap::practice::practise;
+use asami_gap::weigh::practice::{Case, practise};
 use asami_gap::{Budget, CannotPlay, Library, Planted, Variant};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -16,8 +15,10 @@ use serde::de::DeserializeOwned;
 use super::progress::Listener;
 use crate::scenario::{Robot, Simulation};
 
-/// The hash of the code by which responses are learned and cases judged.
-const CODE: &str = env!("ASAMI_GAP");
+/// The hash of the code by which responses are learned.
+const LEARNS: &str = env!("ASAMI_LEARNS");
+/// The hash of the code by which planted cases are weighed with them.
+const WEIGHS: &str = env!("ASAMI_WEIGHS");
 /// Length of the runs that stand for a world, or an effect, in its hash.
 const PROBE_S: f64 = 3.0;
 /// Digits of a hash in names.
@@ -62,7 +63,7 @@ pub struct Shelved {
     pub variants: Vec<Variant>,
     /// Its folder.
     pub folder: PathBuf,
-    /// Stands for all its entries.
+    /// Stands for all its entries, and for how cases are weighed with them.
     mark: String,
 }
 
@@ -87,7 +88,7 @@ impl Shelf<'_> {
             Ok((variant, folder.join(format!("{}-{}.json", variant.about.name, effect_key(nominal, variant)?))))
         });
         let places: Vec<(&Variant, PathBuf)> = places.collect::<Result<_, CannotShelve>>()?;
-        let mark = hash(&format!("{:?}", places.iter().map(|(_, path)| path.file_name()).collect::<Vec<_>>()));
+        let mark = hash(&format!("{WEIGHS} {:?}", places.iter().map(|(_, path)| path.file_name()).collect::<Vec<_>>()));
         let budget = &self.budget;
         let library = if nominal.robot == Robot::Car {
             let base = self.base(&folder, || drive::Base::learn(nominal, budget))?;
@@ -145,7 +146,7 @@ impl Shelf<'_> {
     fn key(&self, nominal: &Simulation) -> Result<String, CannotPlay> {
         let world = Simulation { duration_s: 0.0, seeds: 0, first_seed: 0, ..nominal.clone() };
         // Serialising to memory fails only for maps with keys that are no strings: there are none.
-        let numbers = serde_json::to_string(&(CODE, &self.budget, &world)).unwrap_or_default();
+        let numbers = serde_json::to_string(&(LEARNS, &self.budget, &world)).unwrap_or_default();
         Ok(hash(&format!("{numbers}\n{}", probe(nominal, &[])?)))
     }
 }
@@ -236,7 +237,7 @@ fn class_s(length_s: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use asami_gap::calibration::{Evidence, NONE};
+    use asami_gap::weigh::causes::{Evidence, NONE};
 
     use super::*;
 

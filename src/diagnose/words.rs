@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use asami_gap::Diagnosis;
-use asami_gap::diagnosis::{Cause, Estimate, Kind, Verdict};
+use asami_gap::answer::diagnosis::{Cause, Estimate, Kind, Verdict};
 use asami_sim::effects::catalogue;
 
 /// Places and causes said of each.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use asami_dataset::store::number;
 use asami_gap::Diagnosis;
-use asami_gap::diagnosis::Cause;
+use asami_gap::answer::diagnosis::Cause;
 
 use super::foretold;
 use super::scanner;

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use asami_gap::Diagnosis;
-use asami_gap::diagnosis::{Cause, Cell as Place, Verdict};
+use asami_gap::answer::diagnosis::{Cause, Cell as Place, Verdict};
 use asami_sim::effects::catalogue;
 
 use super::{Cell, Plate, Report, RowKind, Section, Table};

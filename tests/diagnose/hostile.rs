@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use asami_dataset::{Command, Dataset, Frame, Log, Sighting, store};
-use asami_gap::diagnosis::Verdict;
+use asami_gap::answer::diagnosis::Verdict;
 
 use crate::{Bench, answer, kept_library, said};
 

@@ -8,7 +8,7 @@ use std::process::{Command, Output};
 
 use asami::scenario::{self, Origin};
 use asami_gap::Diagnosis;
-use asami_gap::diagnosis::Verdict;
+use asami_gap::answer::diagnosis::Verdict;
 
 /// Section 4.4.2's simulator with less noise on bearings, so that minutes say enough.
 const SCENARIO: &str = r#"

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use asami::import::ImportError;
 use asami::import::kitti::read;
-use asami_gap::diagnosis::Verdict;
+use asami_gap::answer::diagnosis::Verdict;
 
 use crate::real;
 

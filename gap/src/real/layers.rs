@@ -6,10 +6,10 @@
 
 use asami_math::elementary::{exp, ln};
 
-use crate::evidence::{CLOSE, Weighed, weigh};
 use crate::judge::{Judge, Moment};
 use crate::newton::{Curvature, climb};
 use crate::plant::{Planted, Variant};
+use crate::weigh::evidence::{CLOSE, Weighed, weigh};
 
 /// At most so many effects.
 const MOST: usize = 8;

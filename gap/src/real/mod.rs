@@ -13,18 +13,18 @@ use asami_dataset::Log;
 use asami_math::elementary::exp;
 use asami_sim::effect::{Block, Place};
 
+use crate::answer::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
+use crate::answer::how_far::how_far;
+use crate::answer::place::places;
 use crate::aside::Aside;
 use crate::blocks::{self, Fitted};
-use crate::calibration::{NONE, UNKNOWN};
-use crate::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
-use crate::groups::smallest_visible;
-use crate::how_far::how_far;
 use crate::judge::Judge;
 use crate::library::Library;
-use crate::place::places;
 use crate::plant::Variant;
 use crate::sighted::Sighted;
 use crate::view::CannotSee;
+use crate::weigh::causes::{NONE, UNKNOWN};
+use crate::weigh::groups::smallest_visible;
 use layers::{Layer, Least, layers, planted, reconsidered};
 
 /// Noise is learned, effects are named, and again, for the noise is what the effects leave; the likeliest of these counts.

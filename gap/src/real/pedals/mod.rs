@@ -16,8 +16,8 @@ use asami_sim::robots::car::CarConfig;
 
 use super::assembled;
 use super::layers::{Layer, Least, layers, planted, reconsidered};
+use crate::answer::diagnosis::Diagnosis;
 use crate::aside::Aside;
-use crate::diagnosis::Diagnosis;
 use crate::drive::driven::Driven;
 use crate::drive::library::Drives;
 use crate::drive::motion::Step;
@@ -111,7 +111,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
-    use crate::diagnosis::Verdict;
+    use crate::answer::diagnosis::Verdict;
 
     /// Enough for a pair of pieces that are set aside.
     const RIDE_S: f64 = 160.0;

@@ -22,7 +22,7 @@ use asami_dataset::{Firings, Known, Log};
 
 use super::assembled;
 use super::layers::{Layer, Least, layers, planted, reconsidered};
-use crate::diagnosis::Diagnosis;
+use crate::answer::diagnosis::Diagnosis;
 use crate::judge::Judge;
 use crate::plant::Variant;
 use crate::view::CannotSee;

@@ -2,12 +2,12 @@
 
 use asami_dataset::Log;
 
-use crate::diagnose::Diagnoser;
-use crate::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
-use crate::groups::Signature;
+use crate::answer::diagnose::Diagnoser;
+use crate::answer::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
 use crate::judge::Judge;
 use crate::library::Responds;
 use crate::plant::Planted;
+use crate::weigh::groups::Signature;
 
 /// A log cannot be diagnosed: what it lacks.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

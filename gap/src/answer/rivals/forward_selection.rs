@@ -4,8 +4,8 @@ use asami_dataset::Log;
 use asami_math::elementary::{exp, ln};
 use asami_math::optimise::golden_section;
 
-use crate::contest::{CannotDiagnose, Diagnoses, Judges, Likelihood};
-use crate::diagnosis::Diagnosis;
+use crate::answer::contest::{CannotDiagnose, Diagnoses, Judges, Likelihood};
+use crate::answer::diagnosis::Diagnosis;
 use crate::plant::{Planted, Variant};
 
 /// Greedy forward selection with the one-standard-error rule (Breiman, Friedman, Olshen and Stone 1984, section

@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 
 use asami_math::elementary::{exp, ln};
 
-use crate::evidence::Weighed;
 use crate::judge::{Judge, Reading, Share};
 use crate::plant::{Planted, Variant};
+use crate::weigh::evidence::Weighed;
 
 /// Hypotheses that part by less than this cannot be told apart.
 pub const SPLIT_NATS: f64 = 3.0;

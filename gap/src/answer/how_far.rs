@@ -7,8 +7,8 @@ use asami_math::elementary::{exp, ln};
 use asami_math::optimise::golden_section;
 use rand::RngExt;
 
+use crate::answer::diagnosis::{HowFar, Rms};
 use crate::blocks;
-use crate::diagnosis::{HowFar, Rms};
 use crate::judge::{Judge, Reading};
 use crate::plant::Planted;
 

@@ -2,7 +2,9 @@
 
 use asami_math::elementary::{exp, ln_1p};
 
-use super::{Calibration, Case, HIDDEN, NONE, SLIP, class, greatest, is_unknown, leader, nats, parts, top_single};
+use super::{Calibration, HIDDEN, SLIP, class, greatest, nats, parts, top_single};
+use crate::weigh::causes::{NONE, is_unknown, leader};
+use crate::weigh::practice::Case;
 
 /// Share of cases whose cause is in nobody's list, in what is learned from: a wrong name is worse than none.
 const SHARE_UNKNOWN: f64 = 0.2;

@@ -4,18 +4,19 @@ use std::collections::BTreeMap;
 
 use asami_dataset::Log;
 
-use crate::calibration::{Calibration, NONE, UNKNOWN};
-use crate::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
-use crate::evidence::Weighed;
-use crate::experiment::{Courses, advice};
-use crate::findings::{Findings, absorbed_nats};
-use crate::groups::{groups, smallest_visible};
-use crate::how_far::how_far;
+use crate::answer::calibration::Calibration;
+use crate::answer::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
+use crate::answer::experiment::{Courses, advice};
+use crate::answer::how_far::how_far;
+use crate::answer::place::places;
 use crate::judge::Judge;
 use crate::library::Responds;
-use crate::place::places;
 use crate::plant::{Planted, Variant};
 use crate::view::CannotSee;
+use crate::weigh::causes::{NONE, UNKNOWN};
+use crate::weigh::evidence::Weighed;
+use crate::weigh::findings::{Findings, absorbed_nats};
+use crate::weigh::groups::{groups, smallest_visible};
 
 /// *None* is the verdict unless it is less probable than this.
 const NOT_NONE: f64 = 0.1;

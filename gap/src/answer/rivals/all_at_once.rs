@@ -3,8 +3,8 @@
 use asami_dataset::{Log, Seed};
 use asami_math::cma_es::{Until, minimise};
 
-use crate::contest::{CannotDiagnose, Diagnoses, Judges};
-use crate::diagnosis::Diagnosis;
+use crate::answer::contest::{CannotDiagnose, Diagnoses, Judges};
+use crate::answer::diagnosis::Diagnosis;
 use crate::plant::{Planted, Variant};
 
 /// What calibrating a simulator against a log does to find causes: all parameters at once, by the

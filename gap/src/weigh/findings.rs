@@ -1,10 +1,10 @@
 //! All that a log says of every cause: single effects, two at once, and the unknown.
 
 use crate::blocks::{self, Fitted};
-use crate::calibration::{EVIDENT_NATS, Evidence, UNKNOWN, leader};
-use crate::evidence::{CLOSE, PASSING, Weighed, weigh};
 use crate::judge::Judge;
 use crate::plant::{Planted, Variant};
+use crate::weigh::causes::{EVIDENT_NATS, Evidence, UNKNOWN, leader};
+use crate::weigh::evidence::{CLOSE, PASSING, Weighed, weigh};
 
 /// Effects so close to the leader are each tried with every other beside it.
 const NEAR_NATS: f64 = 10.0;
@@ -41,7 +41,7 @@ pub struct Findings {
     pub weighed: Vec<Weighed>,
     /// Two at once, the most evident first.
     pub pairs: Vec<Pair>,
-    /// The most evident cause in the list, [`NONE`](crate::calibration::NONE) where nothing speaks for any.
+    /// The most evident cause in the list, [`NONE`](crate::weigh::causes::NONE) where nothing speaks for any.
     pub leader: String,
     /// Flexible blocks on top of the leader, in the order of [`blocks::BLOCKS`].
     pub blocks: Vec<Fitted>,

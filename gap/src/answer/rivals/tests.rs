@@ -3,8 +3,8 @@
 use asami_dataset::Log;
 
 use super::{AllAtOnce, ForwardSelection};
-use crate::contest::{CannotDiagnose, Diagnoses, Judges, Likelihood};
-use crate::diagnosis::Verdict;
+use crate::answer::contest::{CannotDiagnose, Diagnoses, Judges, Likelihood};
+use crate::answer::diagnosis::Verdict;
 use crate::plant::{Planted, Variant};
 
 /// Every effect, with its choices, moves a reading of its own; each block measures all of them with noise of one.

@@ -7,10 +7,10 @@
 use asami_dataset::Log;
 use asami_math::elementary::exp;
 
-use crate::evidence::Weighed;
-use crate::groups::{SPLIT_NATS, apart, signatures};
 use crate::judge::Judge;
 use crate::library::Responds;
+use crate::weigh::evidence::Weighed;
+use crate::weigh::groups::{SPLIT_NATS, apart, signatures};
 
 /// A way to drive the robot.
 #[derive(Clone, Debug)]

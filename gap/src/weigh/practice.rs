@@ -4,15 +4,16 @@ use asami_dataset::{Log, Rng, Seed};
 use asami_sim::effect::About;
 use asami_sim::effects::catalogue;
 use rand::RngExt;
+use serde::{Deserialize, Serialize};
 
-use crate::calibration::{Case, Evidence, NONE, UNKNOWN};
-use crate::evidence::Weighed;
-use crate::findings::{Findings, absorbed_nats};
-use crate::groups::SPLIT_NATS;
 use crate::judge::Judge;
 use crate::library::{Responds, play};
 use crate::nominal::{CannotPlay, Nominal};
 use crate::plant::{Planted, Variant};
+use crate::weigh::causes::{Evidence, NONE, UNKNOWN};
+use crate::weigh::evidence::Weighed;
+use crate::weigh::findings::{Findings, absorbed_nats};
+use crate::weigh::groups::SPLIT_NATS;
 
 /// Share of cases with nothing planted.
 const NOTHING: f64 = 0.3;
@@ -22,6 +23,25 @@ const TWO: f64 = 0.1;
 /// How [`draw`] draws, in words.
 pub const LAW: &str = "none 30 %, one effect 60 %, two 10 %, each effect as likely; sizes log-uniform as `list effects` \
                        shows, from half a decade below what a log of 150 s shows";
+
+/// A planted case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Case {
+    /// The true cause, as in [`Evidence`], or [`NONE`].
+    pub truth: String,
+    /// What of it the log shows, where that may be less: of two effects one, if the other cannot be seen beside it.
+    #[serde(default)]
+    pub shown: Option<String>,
+    /// What speaks for each cause.
+    pub evidence: Evidence,
+    /// By how much the best flexible block on top of the truth is more probable than the truth; of cases with a
+    /// cause in the list.
+    pub absorbed_nats: Option<f64>,
+    /// By how much the size of a single effect that shows lies off the one found, in shares of the 90 % interval on that
+    /// side.
+    #[serde(default)]
+    pub off_by: Option<f64>,
+}
 
 /// None, one or two effects that fit a robot among so many landmarks, at sizes by their laws.
 #[must_use]

@@ -16,39 +16,15 @@ use asami_math::elementary::{exp, ln};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::weigh::causes::{Evidence, NONE, PRIOR_OF_A_SECOND, UNKNOWN, is_single, is_unknown, leader};
+use crate::weigh::practice::Case;
 use fit::fit;
 pub use fit::log_loss;
 
-/// The cause in nobody's list.
-pub const UNKNOWN: &str = "unknown";
-/// No cause.
-pub const NONE: &str = "none";
 /// The class of all causes of several effects.
 const SEVERAL: &str = "+";
 /// The same, where one of the effects does not show beside the other.
 const HIDDEN: &str = "+?";
-
-/// Evidence of causes over *none*, by cause: an effect, several joined by `+`, or `unknown/` and a flexible block.
-pub type Evidence = BTreeMap<String, f64>;
-
-/// A planted case.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Case {
-    /// The true cause, as in [`Evidence`], or [`NONE`].
-    pub truth: String,
-    /// What of it the log shows, where that may be less: of two effects one, if the other cannot be seen beside it.
-    #[serde(default)]
-    pub shown: Option<String>,
-    /// What speaks for each cause.
-    pub evidence: Evidence,
-    /// By how much the best flexible block on top of the truth is more probable than the truth; of cases with a
-    /// cause in the list.
-    pub absorbed_nats: Option<f64>,
-    /// By how much the size of a single effect that shows lies off the one found, in shares of the 90 % interval on that
-    /// side.
-    #[serde(default)]
-    pub off_by: Option<f64>,
-}
 
 /// How evidence becomes probability.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,10 +53,6 @@ pub struct Calibration {
 const PRIOR_NONE: f64 = 0.3;
 /// What is left to causes in nobody's list, and the prior odds of each flexible block beside the cause that it is put on.
 const PRIOR_UNKNOWN: f64 = 0.1;
-/// Prior odds of a second effect beside the first.
-const PRIOR_OF_A_SECOND: f64 = 0.1;
-/// Evidence from which on a cause leads, in nats.
-pub const EVIDENT_NATS: f64 = 3.0;
 /// Probability that the evidence misleads altogether, as a library that is wrong somewhere does; without it a few such
 /// cases would have all evidence distrusted.
 const SLIP: f64 = 0.02;
@@ -237,18 +209,9 @@ impl Calibration {
     }
 }
 
-fn is_unknown(cause: &str) -> bool {
-    cause.starts_with(UNKNOWN)
-}
-
 /// What shares one addend: all causes of several effects do.
 fn class(cause: &str) -> &str {
     if cause.contains('+') { SEVERAL } else { cause }
-}
-
-/// One effect, not several and not *unknown*.
-fn is_single(cause: &str) -> bool {
-    !is_unknown(cause) && cause != NONE && !cause.contains('+')
 }
 
 fn prior(cause: &str, singles: f64) -> f64 {
@@ -268,15 +231,6 @@ fn nats(evidence: &Evidence, cause: &str) -> f64 {
 /// The evidence of the most evident effect alone; 0 of *none*.
 fn top_single(evidence: &Evidence) -> f64 {
     evidence.iter().filter(|(cause, _)| is_single(cause)).map(|(_, nats)| *nats).fold(0.0, f64::max)
-}
-
-/// The cause that flexible blocks are put on top of: the most evident where any is evident, several effects at a price.
-#[must_use]
-pub fn leader(evidence: &Evidence) -> &str {
-    let named = evidence.iter().filter(|(cause, _)| !is_unknown(cause));
-    let priced = named.map(|(cause, nats)| (nats + if is_single(cause) { 0.0 } else { ln(PRIOR_OF_A_SECOND) }, cause));
-    let best = priced.reduce(|a, b| if b.0 > a.0 { b } else { a });
-    best.filter(|(nats, _)| *nats > EVIDENT_NATS).map_or(NONE, |(_, cause)| cause)
 }
 
 /// What the most evident effect says, and what a second one says beyond it.

@@ -3,7 +3,7 @@
 
 use asami_math::elementary::erfc;
 
-use crate::diagnosis::{Cell, Kind};
+use crate::answer::diagnosis::{Cell, Kind};
 use crate::judge::{Judge, Regime};
 
 /// Blocks over which gains are taken to be independent.

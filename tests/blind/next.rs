@@ -1,0 +1,144 @@
+//! What is recorded next: in the true world, as advised and again, and asked of the two that were tied.
+
+use std::sync::Mutex;
+
+use asami::blind::next::Next;
+use asami::blind::scenario::Measure;
+use asami::blind::tally::{asked, measure};
+use asami::blind::walk::{Contest, Results, run};
+use asami::report;
+use asami::scenario::Simulation;
+use asami::sweep::Silent;
+use asami_dataset::Log;
+use asami_gap::answer::diagnosis::{Cause, Verdict};
+use asami_gap::{CannotDiagnose, Diagnoses, Diagnosis, Judges, Likelihood, Planted, Variant};
+
+use super::{ASKED, blind, options};
+
+/// Logs as advised go on for longer than others, by which they are known here.
+const ADVISED_S: f64 = 30.0;
+
+/// A log speaks for a delay by 9 nats over everything else where it was driven as advised, by 1 where it was not.
+struct Long(bool);
+
+impl Likelihood for Long {
+    fn blocks(&self, effects: &[Planted]) -> Vec<f64> {
+        let is_delay = effects.iter().any(|it| it.variant.about.name == "command_delay");
+        vec![if is_delay { if self.0 { 9.0 } else { 1.0 } } else { 0.0 }]
+    }
+
+    fn observations(&self) -> usize {
+        100
+    }
+
+    fn apart(&self, _: &[Planted], _: &[Planted]) -> f64 {
+        100.0
+    }
+}
+
+/// Takes a delay and a scale for tied, whatever the log.
+struct Tied<'a>(&'a [Variant]);
+
+impl Diagnoses for Tied<'_> {
+    fn name(&self) -> &str {
+        "asami"
+    }
+
+    fn diagnose(&self, _: &Log) -> Result<Diagnosis, CannotDiagnose> {
+        let of = |name: &str| {
+            let variant = self.0.iter().find(|it| it.about.name == name).expect("in the catalogue").clone();
+            Diagnosis::flat(&[Planted { size: variant.sizes().1, variant }])
+        };
+        let [delay, scale] = ["command_delay", "command_scale"].map(of);
+        let which: Vec<Cause> = [scale.which, delay.which].concat();
+        Ok(Diagnosis {
+            verdict: Verdict::Tied,
+            which,
+            next_keys: Some("explore.hold_s = 8".to_owned()),
+            ..Diagnosis::flat(&[])
+        })
+    }
+}
+
+struct Advises {
+    variants: Vec<Variant>,
+    world: Simulation,
+    seen: Mutex<Vec<Log>>,
+}
+
+impl Judges for Advises {
+    fn of<'a>(&'a self, log: &'a Log) -> Result<Box<dyn Likelihood + 'a>, CannotDiagnose> {
+        self.seen.lock().expect("free").push(log.clone());
+        let ends_s = log.commands.last().map_or(0.0, |command| command.t_s);
+        Ok(Box::new(Long(ends_s > 6.0)))
+    }
+}
+
+impl Contest for Advises {
+    fn judges(&self) -> &dyn Judges {
+        self
+    }
+
+    fn variants(&self) -> &[Variant] {
+        &self.variants
+    }
+
+    fn diagnosers(&self, _: &[String]) -> Vec<Box<dyn Diagnoses + '_>> {
+        vec![Box::new(Tied(&self.variants))]
+    }
+
+    fn driven(&self, keys: &str) -> Option<Simulation> {
+        assert_eq!(keys, "explore.hold_s = 8");
+        Some(Simulation { duration_s: ADVISED_S, ..self.world.clone() })
+    }
+
+    fn fingerprint(&self) -> String {
+        "advises".to_owned()
+    }
+}
+
+fn swept(text: &str) -> (Results, Vec<Log>) {
+    let blind = blind(text);
+    let dir = tempfile::tempdir().expect("made");
+    let contest =
+        Advises { variants: Variant::all("plain", 4, &[]), world: blind.world.clone(), seen: Mutex::default() };
+    let results = run(&blind, &contest, &options(dir.path(), 1), &Silent).expect("run");
+    report::blind::write(&results, "test", dir.path()).expect("written");
+    (results, contest.seen.into_inner().expect("free"))
+}
+
+#[test]
+fn a_tie_is_followed_by_two_logs_of_the_true_world() {
+    let text = ASKED
+        .replace("duration_s = 5\ncases = 12", "duration_s = 5\ncases = 40\nnext_experiment = true")
+        .replace("[\"asami\", \"forward_selection\"]", "[\"asami\"]")
+        + "[mix]\nnone_share = 0.1\none_share = 0.8\n";
+    let (results, seen) = swept(&text);
+    let mut followed = 0;
+    for record in &results.records {
+        let expected = match record.planted.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+            ["command_delay"] => Some(Next { advised_nats: 9.0, again_nats: 1.0 }),
+            // The log speaks for what is not the truth.
+            ["command_scale"] => Some(Next { advised_nats: -9.0, again_nats: -1.0 }),
+            _ => None,
+        };
+        assert_eq!(record.answers[0].next, expected, "{:?}", record.planted);
+        followed += usize::from(expected.is_some());
+    }
+    assert!(followed >= 3, "{followed}");
+    assert_eq!(seen.len(), 40 + 2 * followed);
+    let other = |a: &Log, b: &Log| a.sightings != b.sightings;
+    assert!(seen.iter().enumerate().all(|(i, a)| seen[..i].iter().all(|b| other(a, b))), "no log is another one again");
+
+    let all: Vec<_> = asked(&results, 0).collect();
+    let delays = all.iter().filter(|it| it.record.planted == ["command_delay"]).count() as u32;
+    let share = |what| measure(what, &all).share.expect("a share");
+    assert_eq!(share(Measure::NextSplits).count, delays);
+    assert_eq!(share(Measure::NextSplits).of as usize, followed);
+    assert_eq!(share(Measure::AgainSplits).count, 0);
+    assert_eq!(share(Measure::NextBeatsAgain).count, delays);
+
+    let (unasked, seen) = swept(&text.replace("next_experiment = true", "next_experiment = false"));
+    assert!(unasked.records.iter().all(|record| record.answers[0].next.is_none()));
+    assert_eq!(seen.len(), 40);
+}
