@@ -2,7 +2,7 @@
 
 use asami_math::elementary::{exp, ln_1p};
 
-use super::{Calibration, HIDDEN, SLIP, class, greatest, nats, parts, top_single};
+use super::{Calibration, HIDDEN, SLIP, class, counts, greatest, nats, parts, top_single};
 use crate::weigh::causes::{NONE, is_unknown, leader};
 use crate::weigh::practice::Case;
 
@@ -16,6 +16,8 @@ const STEPS: usize = 400;
 const FADE_LN: f64 = -1.0;
 /// Prior standard deviation of what is added for a cause.
 const BETA_SD: f64 = 1.5;
+/// What is added for a block is counted in so many nats: blocks pay for a freedom that hardly any cause needs in full.
+const BLOCK_NATS: f64 = 10.0;
 
 /// Gradient descent on the penalised log-loss, by Adam (Kingma and Ba 2015).
 pub(super) fn fit(cases: &[&Case]) -> Calibration {
@@ -34,7 +36,7 @@ pub(super) fn fit(cases: &[&Case]) -> Calibration {
         fade: exp(at[1]) / 100.0,
         tau_beyond: exp(at[2]),
         fade_beyond: exp(at[3]) / 100.0,
-        beta: causes.iter().cloned().zip(at[GLOBALS..].iter().copied()).collect(),
+        beta: causes.iter().zip(&at[GLOBALS..]).map(|(cause, at)| (cause.clone(), unit(cause) * at)).collect(),
         ..Calibration::default()
     };
     for step in 1..=STEPS {
@@ -50,6 +52,10 @@ pub(super) fn fit(cases: &[&Case]) -> Calibration {
     read(&at)
 }
 
+fn unit(cause: &str) -> f64 {
+    if is_unknown(cause) { BLOCK_NATS } else { 1.0 }
+}
+
 /// How much a case whose cause is taken out of the list counts, so that they are as frequent as is wanted:
 /// there is one for each case with one effect.
 fn weight_of_unknown(cases: &[&Case]) -> f64 {
@@ -63,7 +69,7 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
     let mut slope = vec![0.0; at.len()];
     let weigh_unknown = weight_of_unknown(cases);
     for case in cases {
-        let counts = if is_unknown(&case.truth) { weigh_unknown } else { 1.0 };
+        let weight = if is_unknown(&case.truth) { weigh_unknown } else { 1.0 };
         let probabilities = calibration.by_block(&case.evidence);
         let top = greatest(&case.evidence);
         let fading = 1.0 + calibration.fade * top;
@@ -77,7 +83,7 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
         let lasting_slope = -calibration.fade_beyond * top_single * lasting * lasting;
         let off = |cause: &str, p: f64| {
             let sharp = (p - even) / (1.0 - SLIP);
-            counts * told * (sharp - f64::from(u8::from(*cause == case.truth)))
+            weight * told * (sharp - f64::from(u8::from(*cause == case.truth)))
         };
         let of_class = |slope: &mut [f64], class: &str, off: f64| {
             if let Ok(i) = causes.binary_search_by(|it| it.as_str().cmp(class)) {
@@ -89,17 +95,20 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
         for (cause, p) in probabilities.iter().filter(|(cause, _)| is_unknown(cause)) {
             let off = off(cause, *p);
             of_blocks += off;
-            let beyond = calibration.tau_beyond * (nats(&case.evidence, cause) - leader_nats);
-            slope[2] += off * lasting * beyond;
-            slope[3] += off * lasting_slope * beyond;
-            of_class(&mut slope, cause, off);
+            let beyond = nats(&case.evidence, cause) - leader_nats + calibration.beta(cause);
+            let (share, share_slope) = if beyond > 0.0 { (lasting, lasting_slope) } else { (1.0, 0.0) };
+            slope[2] += off * calibration.tau_beyond * share * beyond;
+            slope[3] += off * calibration.tau_beyond * share_slope * beyond;
+            of_class(&mut slope, cause, off * calibration.tau_beyond * share * unit(cause));
         }
         for (cause, p) in probabilities.iter().filter(|(cause, _)| !is_unknown(cause)) {
             let off = off(cause, *p) + if *cause == leader { of_blocks } else { 0.0 };
             let (of_top, beyond) = parts(cause, nats(&case.evidence, cause), top_single);
-            let (class, beyond) = calibration.beyond(cause, lasting * beyond);
+            let (class, beyond) = calibration.beyond(cause, counts(beyond, lasting));
             slope[0] += off * calibration.tau * (of_top / fading + beyond);
-            slope[3] += off * calibration.tau * beyond / lasting * lasting_slope;
+            if beyond > 0.0 {
+                slope[3] += off * calibration.tau * beyond / lasting * lasting_slope;
+            }
             slope[1] -= off * of_top * calibration.tau * calibration.fade * top / (fading * fading);
             of_class(&mut slope, class, off);
         }
@@ -108,10 +117,8 @@ fn slope(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f6
     slope[1] += (at[1] - FADE_LN) / 4.0;
     slope[2] += at[2] / 0.25;
     slope[3] += (at[3] - FADE_LN) / 4.0;
-    for ((slope, at), cause) in slope[GLOBALS..].iter_mut().zip(&at[GLOBALS..]).zip(causes) {
-        // Blocks pay for a freedom that hardly any cause needs in full.
-        let sd = if is_unknown(cause) { 10.0 * BETA_SD } else { BETA_SD };
-        *slope += at / (sd * sd);
+    for (slope, at) in slope[GLOBALS..].iter_mut().zip(&at[GLOBALS..]) {
+        *slope += at / (BETA_SD * BETA_SD);
     }
     slope
 }

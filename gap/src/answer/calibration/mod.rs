@@ -3,8 +3,8 @@
 //! Of every planted case the evidence of each cause is known, and the truth. A cause's probability is
 //! `P(g) ~ prior_g exp(beta_g + tau(g) log Z_g)`, with evidence counting for the less, the more of it there
 //! is: a library's error grows with what it describes. What a second effect says beyond the first, and a flexible block
-//! beyond the leading cause, is small, but a library's error in the first is taken for it: it counts for the less, the more the
-//! first explains, by a fade of its own. A second effect that does not show is never ruled
+//! beyond the leading cause, is small, but a library's error in the first is taken for it: what is said for them counts for the
+//! less, the more the first explains, by a fade of its own; what speaks against them counts in full. A second effect that does not show is never ruled
 //! out, so that what shows alone is at most as probable as planted cases have it. The parameters are those of least
 //! penalised log-loss, and the set is found by leaving folds out (Vovk 2015).
 
@@ -37,7 +37,7 @@ pub struct Calibration {
     tau_beyond: f64,
     /// How fast the weight of what is explained beyond an effect falls with that effect's evidence, per nat.
     fade_beyond: f64,
-    /// What is added for each cause.
+    /// What is added for each cause; of a flexible block to its evidence, for what its freedom costs.
     beta: BTreeMap<String, f64>,
     /// The least probability that a cause in the 90 % set has, by stratum of the greatest evidence.
     thresholds: [f64; 3],
@@ -160,14 +160,14 @@ impl Calibration {
         let lasting = self.lasting(top);
         let named = |cause: &str| {
             let (of_top, beyond) = parts(cause, nats(evidence, cause), top);
-            let (class, beyond) = self.beyond(cause, lasting * beyond);
+            let (class, beyond) = self.beyond(cause, counts(beyond, lasting));
             ln(prior(cause, singles)) + self.beta(class) + weight * of_top + self.tau * beyond
         };
         let leader = leader(evidence);
         let (of_leader, leader_nats) = (named(leader), nats(evidence, leader));
         let block = |cause: &str| {
-            let beyond = nats(evidence, cause) - leader_nats;
-            of_leader + ln(PRIOR_UNKNOWN) + self.beta(cause) + self.tau_beyond * lasting * beyond
+            let beyond = nats(evidence, cause) - leader_nats + self.beta(cause);
+            of_leader + ln(PRIOR_UNKNOWN) + self.tau_beyond * counts(beyond, lasting)
         };
         let score = |cause: &'a str| (cause, if is_unknown(cause) { block(cause) } else { named(cause) });
         evidence.keys().map(|cause| score(cause)).chain([score(NONE)]).collect()
@@ -195,7 +195,7 @@ impl Calibration {
         self.beta.get(class).copied().unwrap_or(0.0)
     }
 
-    /// The share of what is said beyond an effect that counts, where there is so much evidence of the effect.
+    /// The share of what is said for more than an effect that counts, where there is so much evidence of the effect.
     fn lasting(&self, top_single: f64) -> f64 {
         1.0 / (1.0 + self.fade_beyond * top_single)
     }
@@ -207,6 +207,11 @@ impl Calibration {
         let is_hidden = of == SEVERAL && self.beta(SEVERAL) + self.tau * beyond < self.beta(HIDDEN);
         if is_hidden { (HIDDEN, 0.0) } else { (of, beyond) }
     }
+}
+
+/// What counts of so many nats beyond an effect: of those that speak for more a share, of those that speak against it all.
+fn counts(beyond: f64, lasting: f64) -> f64 {
+    if beyond > 0.0 { lasting * beyond } else { beyond }
 }
 
 /// What shares one addend: all causes of several effects do.

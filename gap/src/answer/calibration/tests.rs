@@ -146,3 +146,23 @@ fn what_is_said_beyond_an_effect_counts_the_less_the_more_there_is_of_it() {
     let (plain, pushed) = (of(30.0, 20.0), of(1000.0, 40.0));
     assert!(plain["a+b"] > 0.7 && pushed["a"] > 0.7, "{plain:?} {pushed:?}");
 }
+
+/// The same, and causes in nobody's list of which a block says less than its freedom costs, or more.
+#[test]
+fn what_speaks_against_the_unknown_counts_in_full_however_much_there_is_of_an_effect() {
+    let unknown = |i: usize| {
+        let (nats, beyond) = (5.0 + (i % 20) as f64, -4.0 + (i % 7) as f64);
+        let evidence = [("a", nats), ("b", 1.0), ("a+b", nats - 2.0), ("unknown/timing", nats + beyond)];
+        let evidence = evidence.map(|(cause, nats)| (cause.to_owned(), nats)).into();
+        Case { truth: "unknown/timing".to_owned(), shown: None, evidence, absorbed_nats: None, off_by: None }
+    };
+    let cases = [with_a_library_that_errs(400), (0..100).map(unknown).collect()].concat();
+    let calibration = Calibration::learn(&cases);
+    assert!(calibration.lasting(1000.0) < 0.7, "{calibration:?}");
+    let unknown = |nats: f64, beyond: f64| {
+        let evidence = [("a", nats), ("b", 1.0), ("a+b", nats - 2.0), ("unknown/timing", nats + beyond)];
+        calibration.probabilities(&evidence.map(|(cause, nats)| (cause.to_owned(), nats)).into())[UNKNOWN]
+    };
+    assert!(unknown(20.0, 2.0) > 0.6 && unknown(20.0, -8.0) < 0.2, "{} {}", unknown(20.0, 2.0), unknown(20.0, -8.0));
+    assert!(unknown(1000.0, -8.0) < 0.2, "{}", unknown(1000.0, -8.0));
+}
