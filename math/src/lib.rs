@@ -13,6 +13,7 @@ pub mod kalman;
 pub mod neighbours;
 pub mod optimise;
 pub mod polynomial;
+pub mod quasi_newton;
 pub mod regression;
 pub mod rigid;
 pub mod statistics;

@@ -18,10 +18,10 @@ use crate::weigh::groups::SPLIT_NATS;
 /// Share of cases with nothing planted.
 const NOTHING: f64 = 0.3;
 /// Share of cases with two effects.
-const TWO: f64 = 0.1;
+const TWO: f64 = 0.2;
 
 /// How [`draw`] draws, in words.
-pub const LAW: &str = "none 30 %, one effect 60 %, two 10 %, each effect as likely; sizes log-uniform as `list effects` \
+pub const LAW: &str = "none 30 %, one effect 50 %, two 20 %, each effect as likely; sizes log-uniform as `list effects` \
                        shows, from half a decade below what a log of 150 s shows";
 
 /// A planted case.

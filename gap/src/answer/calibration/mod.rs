@@ -3,8 +3,8 @@
 //! Of every planted case the evidence of each cause is known, and the truth. A cause's probability is
 //! `P(g) ~ prior_g exp(beta_g + tau(g) log Z_g)`, with evidence counting for the less, the more of it there
 //! is: a library's error grows with what it describes. What a second effect says beyond the first, and a flexible block
-//! beyond the leading cause, is small, but a library's error in the first is taken for it: what is said for them counts for the
-//! less, the more the first explains, by a fade of its own; what speaks against them counts in full. A second effect that does not show is never ruled
+//! beyond the leading cause, is small, but a library's error in the first is taken for it: a share of what the first explains,
+//! for some effects more than for others, is taken off. A second effect that does not show is never ruled
 //! out, so that what shows alone is at most as probable as planted cases have it. The parameters are those of least
 //! penalised log-loss, and the set is found by leaving folds out (Vovk 2015).
 
@@ -35,8 +35,10 @@ pub struct Calibration {
     fade: f64,
     /// Weight of what flexible blocks explain beyond the leading cause.
     tau_beyond: f64,
-    /// How fast the weight of what is explained beyond an effect falls with that effect's evidence, per nat.
-    fade_beyond: f64,
+    /// The share of an effect's evidence that the library's error in it makes pass for something else besides.
+    error: f64,
+    /// The logarithm of how many times that is so much, by effect.
+    own_error: BTreeMap<String, f64>,
     /// What is added for each cause; of a flexible block to its evidence, for what its freedom costs.
     beta: BTreeMap<String, f64>,
     /// The least probability that a cause in the 90 % set has, by stratum of the greatest evidence.
@@ -64,12 +66,13 @@ const STRATA_NATS: [f64; 2] = [3.0, 10.0];
 impl Default for Calibration {
     /// The evidence as it is.
     fn default() -> Self {
-        let (beta, absorbed_nats) = (BTreeMap::new(), Vec::new());
+        let (beta, own_error, absorbed_nats) = (BTreeMap::new(), BTreeMap::new(), Vec::new());
         Self {
             tau: 1.0,
             fade: 0.0,
             tau_beyond: 1.0,
-            fade_beyond: 0.0,
+            error: 0.0,
+            own_error,
             beta,
             thresholds: [0.05; 3],
             absorbed_nats,
@@ -157,17 +160,17 @@ impl Calibration {
         let weight = self.tau / (1.0 + self.fade * greatest(evidence));
         let singles = evidence.keys().filter(|cause| is_single(cause)).count().max(1) as f64;
         let top = top_single(evidence);
-        let lasting = self.lasting(top);
+        let error = self.error(evidence);
         let named = |cause: &str| {
             let (of_top, beyond) = parts(cause, nats(evidence, cause), top);
-            let (class, beyond) = self.beyond(cause, counts(beyond, lasting));
+            let (class, beyond) = self.beyond(cause, beyond - error);
             ln(prior(cause, singles)) + self.beta(class) + weight * of_top + self.tau * beyond
         };
         let leader = leader(evidence);
         let (of_leader, leader_nats) = (named(leader), nats(evidence, leader));
         let block = |cause: &str| {
             let beyond = nats(evidence, cause) - leader_nats + self.beta(cause);
-            of_leader + ln(PRIOR_UNKNOWN) + self.tau_beyond * counts(beyond, lasting)
+            of_leader + ln(PRIOR_UNKNOWN) + self.tau_beyond * (beyond - error)
         };
         let score = |cause: &'a str| (cause, if is_unknown(cause) { block(cause) } else { named(cause) });
         evidence.keys().map(|cause| score(cause)).chain([score(NONE)]).collect()
@@ -195,23 +198,21 @@ impl Calibration {
         self.beta.get(class).copied().unwrap_or(0.0)
     }
 
-    /// The share of what is said for more than an effect that counts, where there is so much evidence of the effect.
-    fn lasting(&self, top_single: f64) -> f64 {
-        1.0 / (1.0 + self.fade_beyond * top_single)
+    /// What of the evidence for more than the most evident effect is the library's error in it, in nats.
+    fn error(&self, evidence: &Evidence) -> f64 {
+        let own = top_effect(evidence).and_then(|(effect, _)| self.own_error.get(effect)).copied().unwrap_or(0.0);
+        self.error * exp(own) * top_single(evidence)
     }
 
     /// A cause's class, and what is said for it beyond the leading effect. A second effect that hardly shows is about as
     /// probable as one that does not show at all.
     fn beyond<'a>(&self, cause: &'a str, beyond: f64) -> (&'a str, f64) {
-        let of = class(cause);
-        let is_hidden = of == SEVERAL && self.beta(SEVERAL) + self.tau * beyond < self.beta(HIDDEN);
-        if is_hidden { (HIDDEN, 0.0) } else { (of, beyond) }
+        match class(cause) {
+            SEVERAL if self.beta(SEVERAL) + self.tau * beyond < self.beta(HIDDEN) => (HIDDEN, 0.0),
+            SEVERAL => (SEVERAL, beyond),
+            single => (single, 0.0),
+        }
     }
-}
-
-/// What counts of so many nats beyond an effect: of those that speak for more a share, of those that speak against it all.
-fn counts(beyond: f64, lasting: f64) -> f64 {
-    if beyond > 0.0 { lasting * beyond } else { beyond }
 }
 
 /// What shares one addend: all causes of several effects do.
@@ -235,7 +236,13 @@ fn nats(evidence: &Evidence, cause: &str) -> f64 {
 
 /// The evidence of the most evident effect alone; 0 of *none*.
 fn top_single(evidence: &Evidence) -> f64 {
-    evidence.iter().filter(|(cause, _)| is_single(cause)).map(|(_, nats)| *nats).fold(0.0, f64::max)
+    top_effect(evidence).map_or(0.0, |(_, nats)| nats.max(0.0))
+}
+
+/// The most evident effect alone, and its evidence.
+fn top_effect(evidence: &Evidence) -> Option<(&str, f64)> {
+    let singles = evidence.iter().filter(|(cause, _)| is_single(cause)).map(|(cause, nats)| (cause.as_str(), *nats));
+    singles.reduce(|a, b| if b.1 > a.1 { b } else { a })
 }
 
 /// What the most evident effect says, and what a second one says beyond it.
