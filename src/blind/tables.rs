@@ -28,7 +28,9 @@ pub fn all(results: &Results) -> Vec<(String, Table)> {
     let diagnosers = || results.blind.asked.diagnosers.iter().enumerate();
     let mut tables = vec![("blind".to_owned(), strata(results)), ("none".to_owned(), without_effect(results))];
     tables.extend(diagnosers().map(|(i, name)| (format!("confusion_{name}"), matrix(results, i, name))));
-    tables.push(("power".to_owned(), powers(results)));
+    if !planted_alone(results).is_empty() {
+        tables.push(("power".to_owned(), powers(results)));
+    }
     if results.records.iter().any(|record| record.planted.len() > 1) {
         tables.push(("two".to_owned(), two_effects(results)));
     }
@@ -120,7 +122,9 @@ fn two_effects(results: &Results) -> Table {
         "wrong name where P >= 0.9",
     ];
     let mut table = Table::new("Two effects", &heads).caption(
-        "Cases with two effects, by how many nats the log would be less likely without the one that shows less, the other of          any size. Good: from 10 nats on both named in >= 0.8, and nothing that is not there in >= 0.9; of one in the list          and one that is not a wrong name with P >= 0.9 in <= 0.05.",
+        "Cases with two effects, by how many nats the log would be less likely without the one that shows less, the other \
+         of any size. Good: from 10 nats on both named in >= 0.8, and nothing that is not there in >= 0.9; of one in the \
+         list and one that is not a wrong name with P >= 0.9 in <= 0.05.",
     );
     for (i, name) in results.blind.asked.diagnosers.iter().enumerate() {
         for stratum in STRATA {
@@ -146,7 +150,10 @@ fn two_effects(results: &Results) -> Table {
 fn next_logs(results: &Results) -> Table {
     let heads = ["diagnoser", "ties with advice", "split as advised", "split by old commands", "advised says more"];
     let mut table = Table::new("What to record next", &heads).caption(
-        "Logs in which the truth is one of the two most probable effects, neither is ruled out, and commands are advised that          should split them. Both logs are then recorded in the true world, as long as the first: as advised, and with the old          commands. Split: the log speaks for the truth by 3 nats and more. Good: >= 0.8 as advised, and more than by old          commands.",
+        "Logs in which the truth is one of the two most probable effects, neither is ruled out, and commands are advised \
+         that should split them. Both logs are then recorded in the true world, as long as the first: as advised, and with \
+         the old commands. Split: the log speaks for the truth by 3 nats and more. Good: >= 0.8 as advised, and more than \
+         by old commands.",
     );
     for (i, name) in results.blind.asked.diagnosers.iter().enumerate() {
         let all: Vec<Asked<'_>> = asked(results, i).collect();

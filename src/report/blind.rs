@@ -37,14 +37,14 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
     let mut report = Report::new(&results.blind.name, &results.blind.about)
         .answer(answer(results, &verdicts))
         .as_expected(verdict::all_hold(&verdicts));
-    for (_, table) in tables.iter().filter(|(name, _)| !name.starts_with("confusion") && name != "power") {
+    for (_, table) in tables.iter().filter(|(name, _)| !is_detail(name)) {
         report = report.section(Section::new(&table.name).table(table.clone()));
     }
     if !verdicts.is_empty() {
         report = report.section(verdicts_section(&verdicts));
     }
     report = report.section(arranged(Section::new("Curves"), figures.iter().map(Plate::from)));
-    for (_, table) in tables.iter().filter(|(name, _)| name.starts_with("confusion") || name == "power") {
+    for (_, table) in tables.iter().filter(|(name, _)| is_detail(name)) {
         report = report.section(Section::new(&table.name).table(table.clone()));
     }
     report = report.section(every_case(results)).footnote(
@@ -59,9 +59,14 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
     Ok(finished(results, &tables, &verdicts))
 }
 
+/// What stands below the curves, and in files.
+fn is_detail(table: &str) -> bool {
+    table.starts_with("confusion") || table == "power"
+}
+
 fn finished(results: &Results, tables: &[(String, Table)], verdicts: &[Verdict]) -> Finished {
     let broken: Vec<&Record> = results.records.iter().filter(|record| record.is_broken()).collect();
-    let shown = tables.iter().take(2).map(|(_, table)| format!("\n{}", table.markdown()));
+    let shown = tables.iter().filter(|(name, _)| !is_detail(name)).map(|(_, table)| format!("\n{}", table.markdown()));
     let errors = broken.iter().map(|record| {
         let error = record.answers.iter().map(|answer| &answer.error).find(|error| !error.is_empty());
         format!("\nERROR: case {}: {}", record.number, error.unwrap_or(&record.error))
@@ -86,10 +91,12 @@ fn answer(results: &Results, verdicts: &[Verdict]) -> String {
     let none = measure(Measure::NoneCalledElse, &all).share.unwrap_or_default();
     let Share { count, of } = right;
     let expected = verdict::in_words(verdicts);
+    let called = match none.of {
+        0 => String::new(),
+        of => format!(", and calls {} of {of} logs without an effect anything else", none.count),
+    };
     format!(
-        "`{name}` puts the true cause first in {count} of {of} cases that separate it by 10 nats and more, and calls {} of \
-         {} logs without an effect anything else.{expected}",
-        none.count, none.of
+        "`{name}` puts the true cause first in {count} of {of} cases that separate it by 10 nats and more{called}.{expected}"
     )
 }
 
