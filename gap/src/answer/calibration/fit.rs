@@ -7,7 +7,7 @@ use super::{Calibration, HIDDEN, SEVERAL, SLIP, class, greatest, nats, parts, to
 use crate::weigh::causes::{NONE, is_unknown, leader};
 use crate::weigh::practice::Case;
 
-/// Share of cases whose cause is in nobody's list, in what is learned from: a wrong name is worse than none.
+/// Of cases in which there is a cause, the share of those whose cause is in nobody's list, in what is learned from.
 const SHARE_UNKNOWN: f64 = 0.2;
 /// How many numbers there are beside the causes'.
 const GLOBALS: usize = 4;
@@ -65,20 +65,25 @@ fn unit(cause: &str) -> f64 {
     if is_unknown(cause) { BLOCK_NATS } else { 1.0 }
 }
 
-/// How much a case whose cause is taken out of the list counts, so that they are as frequent as is wanted:
-/// there is one for each case with one effect.
-fn weight_of_unknown(cases: &[&Case]) -> f64 {
-    let unknown = cases.iter().filter(|case| is_unknown(&case.truth)).count() as f64;
-    let known = cases.len() as f64 - unknown;
-    SHARE_UNKNOWN / (1.0 - SHARE_UNKNOWN) * known / unknown.max(1.0)
+/// How much a case whose cause is in the list counts, and one whose cause is taken out of it: there is one of these for each
+/// case with one effect. As many cases as were planted have a cause at all.
+fn weights(cases: &[&Case]) -> [f64; 2] {
+    let count = |is: fn(&str) -> bool| cases.iter().filter(|case| is(&case.truth)).count() as f64;
+    let (unknown, none) = (count(is_unknown), count(|truth| truth == NONE));
+    let known = cases.len() as f64 - unknown - none;
+    if unknown > 0.0 { [1.0 - SHARE_UNKNOWN, SHARE_UNKNOWN * known / unknown] } else { [1.0, 0.0] }
 }
 
 /// The log-loss with its penalties, and its gradient.
 fn loss(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f64]) -> (f64, Vec<f64>) {
     let (mut loss, mut slope) = (0.0, vec![0.0; at.len()]);
-    let weigh_unknown = weight_of_unknown(cases);
+    let [of_known, of_unknown] = weights(cases);
     for case in cases {
-        let weight = if is_unknown(&case.truth) { weigh_unknown } else { 1.0 };
+        let weight = match case.truth.as_str() {
+            NONE => 1.0,
+            truth if is_unknown(truth) => of_unknown,
+            _ => of_known,
+        };
         loss += weight * of_case(case, calibration, causes, weight, &mut slope);
     }
     for (i, (slope, at)) in slope.iter_mut().zip(at).enumerate() {
@@ -103,22 +108,20 @@ fn prior(i: usize, causes: usize) -> (f64, f64) {
 
 /// The log-loss of a case; its gradient, so many times, is added to `slope`.
 fn of_case(case: &Case, calibration: &Calibration, causes: &[String], weight: f64, slope: &mut [f64]) -> f64 {
-    let probabilities = calibration.by_block(&case.evidence);
+    let probabilities = calibration.sharp_and_slipped(&case.evidence);
     let top = greatest(&case.evidence);
     let fading = 1.0 + calibration.fade * top;
-    let even = SLIP / probabilities.len() as f64;
     // What is nowhere among the causes says nothing.
-    let Some(of_truth) = probabilities.get(case.truth.as_str()).copied().filter(|p| *p > 0.0) else { return 0.0 };
+    let Some([by_evidence, slipped]) = probabilities.get(case.truth.as_str()).copied() else { return 0.0 };
+    let of_truth = by_evidence + slipped;
     // The share of the truth's probability that evidence gave it.
-    let told = (of_truth - even) / of_truth;
+    let told = by_evidence / of_truth;
     let leader = leader(&case.evidence);
     let (top_single, leader_nats) = (top_single(&case.evidence), nats(&case.evidence, leader));
     let error = calibration.error(&case.evidence);
     let own = top_effect(&case.evidence).and_then(|(effect, _)| place(causes, effect));
-    let off = |cause: &str, p: f64| {
-        let sharp = (p - even) / (1.0 - SLIP);
-        weight * told * (sharp - f64::from(u8::from(*cause == case.truth)))
-    };
+    let off =
+        |cause: &str, sharp: f64| weight * told * (sharp / (1.0 - SLIP) - f64::from(u8::from(*cause == case.truth)));
     let of_class = |slope: &mut [f64], class: &str, off: f64| {
         if let Some(i) = place(causes, class) {
             slope[GLOBALS + i] += off;
@@ -132,8 +135,8 @@ fn of_case(case: &Case, calibration: &Calibration, causes: &[String], weight: f6
     };
     // The blocks stand on the leader's probability.
     let mut of_blocks = 0.0;
-    for (cause, p) in probabilities.iter().filter(|(cause, _)| is_unknown(cause)) {
-        let off = off(cause, *p);
+    for (cause, [sharp, _]) in probabilities.iter().filter(|(cause, _)| is_unknown(cause)) {
+        let off = off(cause, *sharp);
         of_blocks += off;
         let beyond = nats(&case.evidence, cause) - leader_nats + calibration.beta(cause) - error;
         let of_nats = off * calibration.tau_beyond;
@@ -141,8 +144,8 @@ fn of_case(case: &Case, calibration: &Calibration, causes: &[String], weight: f6
         of_error(slope, of_nats);
         of_class(slope, cause, of_nats * unit(cause));
     }
-    for (cause, p) in probabilities.iter().filter(|(cause, _)| !is_unknown(cause)) {
-        let off = off(cause, *p) + if *cause == leader { of_blocks } else { 0.0 };
+    for (cause, [sharp, _]) in probabilities.iter().filter(|(cause, _)| !is_unknown(cause)) {
+        let off = off(cause, *sharp) + if *cause == leader { of_blocks } else { 0.0 };
         let (of_top, beyond) = parts(cause, nats(&case.evidence, cause), top_single);
         let (class, beyond) = calibration.beyond(cause, beyond - error);
         slope[0] += off * calibration.tau * of_top / fading;

@@ -56,7 +56,8 @@ const PRIOR_NONE: f64 = 0.3;
 /// What is left to causes in nobody's list, and the prior odds of each flexible block beside the cause that it is put on.
 const PRIOR_UNKNOWN: f64 = 0.1;
 /// Probability that the evidence misleads altogether, as a library that is wrong somewhere does; without it a few such
-/// cases would have all evidence distrusted.
+/// cases would have all evidence distrusted. Its order still says something: the `r`-th most probable cause is then the true
+/// one as `1 / (r (r + 1))`.
 const SLIP: f64 = 0.02;
 /// Folds of the cross-validation.
 const FOLDS: usize = 5;
@@ -150,9 +151,19 @@ impl Calibration {
 
     /// Probabilities with each flexible block of the unknown by itself.
     fn by_block<'a>(&self, evidence: &'a Evidence) -> BTreeMap<&'a str, f64> {
-        let sharp = softmax(self.scores(evidence));
-        let even = SLIP / sharp.len() as f64;
-        sharp.into_iter().map(|(cause, p)| (cause, (1.0 - SLIP) * p + even)).collect()
+        self.sharp_and_slipped(evidence).into_iter().map(|(cause, [sharp, slipped])| (cause, sharp + slipped)).collect()
+    }
+
+    /// What of these is by the evidence's size, and what by its order alone.
+    fn sharp_and_slipped<'a>(&self, evidence: &'a Evidence) -> BTreeMap<&'a str, [f64; 2]> {
+        let mut ranked: Vec<(&str, f64)> = softmax(self.scores(evidence)).into_iter().collect();
+        ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+        // The sum of 1 / (r (r + 1)) up to n is n / (n + 1).
+        let n = ranked.len() as f64;
+        let slipped = |r: f64| SLIP * (n + 1.0) / (n * r * (r + 1.0));
+        let each =
+            ranked.into_iter().zip(1..).map(|((cause, p), r)| (cause, [(1.0 - SLIP) * p, slipped(f64::from(r))]));
+        each.collect()
     }
 
     /// Logarithms of the probabilities, but for a constant. A block is held against the cause that it was put on top of.
