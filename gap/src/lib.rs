@@ -30,6 +30,7 @@ pub mod shape;
 pub mod shrink;
 pub mod sighted;
 pub mod sizes;
+pub mod start;
 pub mod state;
 pub mod touch;
 pub mod view;

@@ -295,15 +295,11 @@ impl Entry {
         let greatest = sizes.last().copied().unwrap_or(1.0);
         runs.iter_mut().for_each(|(size, _)| *size /= greatest);
         let free = Free { wear: variant.block() == Block::Drift };
-        let responses =
-            changed(&base.shape, (&base.rhythm, &base.fitted), &runs, free, run(variant) == Run::Polynomial);
-        let touch = Touch::of(variant);
+        let nominal = (&base.rhythm, base.fitted.as_slice());
+        let smooth = run(variant) == Run::Polynomial;
+        let responses = changed(&base.shape, nominal, &runs, free, Touch::of(variant), smooth);
         let change = |(with, runs): (Vec<f64>, &[Dataset])| {
-            let mut change: Vec<f64> = with.iter().zip(&base.fitted).map(|(with, without)| with - without).collect();
-            // What is made most likely where sightings sway reaches into all numbers.
-            if !base.memory.sways() {
-                touch.keeps_to(&base.shape, &mut change);
-            }
+            let change = with.iter().zip(&base.fitted).map(|(with, without)| with - without).collect();
             base.played(change, runs)
         };
         let runs = runs.iter().map(|(_, runs)| runs.as_slice());

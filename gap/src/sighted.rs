@@ -1,9 +1,7 @@
 //! A log of landmarks under many responses: its likelihood under each, by the filter over the robot's pose.
 
 use asami_dataset::Log;
-use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, exp, ln, sin_cos};
-use nalgebra::{Matrix3, Vector3};
+use asami_math::elementary::{exp, ln};
 
 use crate::directions::{Direction, directions};
 use crate::filter::{Counted, UNCOUNTED, Walk, counted};
@@ -15,7 +13,8 @@ use crate::plant::{Planted, Variant};
 use crate::race::{Pace, Runner};
 use crate::regimes::{channels, regimes};
 use crate::rhythm::Heard;
-use crate::shape::{Numbers, Shape, Sight};
+use crate::shape::Numbers;
+use crate::start::{Start, distance};
 use crate::state::Belief;
 use crate::view::{CannotSee, Step, View};
 
@@ -23,10 +22,6 @@ use crate::view::{CannotSee, Step, View};
 const MISSES: &str = "missed_sightings";
 /// Nothing is scored before the filter has settled.
 const SETTLING_S: f64 = 5.0;
-/// Starts tried around the first landmark seen.
-const STARTS: usize = 36;
-/// Each start is tried on so many sightings.
-const TRIED: usize = 60;
 
 /// A log, and where its robot started.
 pub struct Sighted<'a> {
@@ -37,7 +32,7 @@ pub struct Sighted<'a> {
     /// The log.
     pub view: View,
     start: Belief,
-    /// The first step with a sighting.
+    /// The step where it is known to be there.
     begin: usize,
     /// Whether each step from `begin` on is scored.
     scored: Vec<bool>,
@@ -69,11 +64,10 @@ impl<'a> Sighted<'a> {
         for step in &mut view.steps {
             step.astray = library.astray.iter().any(|[from_s, to_s]| (*from_s..*to_s).contains(&step.t_s));
         }
-        let begin = view.steps.iter().position(|step| !step.seen.is_empty()).unwrap_or(0);
+        let Start { begin, belief: start } = Start::find(&library.base.shape, &library.base.numbers, &view);
         let settled_s = view.steps[begin].t_s + SETTLING_S;
         let counts = |step: &Step| step.t_s >= settled_s && !step.astray && of(step.t_s);
         let scored: Vec<bool> = view.steps[begin..].iter().map(counts).collect();
-        let start = start(&library.base.shape, &library.base.numbers, &view, begin);
         let counted = counted(&library.base.shape, &library.base.numbers, &view, begin, &mut start.clone());
         let steps = view.steps[begin..].iter().zip(&scored).filter(|(_, scored)| **scored);
         let moments = steps.map(|(step, _)| Moment { t_s: step.t_s, seen: step.seen.len() }).collect();
@@ -175,8 +169,7 @@ impl Judge for Sighted<'_> {
 /// What every sighting of a log is off what a filter expects, in the order of the view.
 fn heard(base: &Base, view: &View) -> Vec<Heard> {
     let Base { shape, rhythm, .. } = base;
-    let begin = view.steps.iter().position(|step| !step.seen.is_empty()).unwrap_or(0);
-    let mut belief = start(shape, &rhythm.numbers, view, begin);
+    let Start { begin, mut belief } = Start::find(shape, &rhythm.numbers, view);
     let steps = begin..view.steps.len();
     let numbers = &rhythm.numbers;
     let filtered =
@@ -193,68 +186,4 @@ fn heard(base: &Base, view: &View) -> Vec<Heard> {
         heard[it.seen].off = Some([0, 1].map(|k| it.plain[k] / heard[it.seen].sd[k]));
     }
     heard
-}
-
-/// The best of several places around the first landmark seen; before a single landmark they are all the same.
-fn start(shape: &Shape, numbers: &[f64], view: &View, begin: usize) -> Belief {
-    let step = &view.steps[begin];
-    let Some(seen) = step.seen.clone().next().map(|i| view.seen[i]) else { return ring(0.0, [0.0; 2], 1.0, 0.0, true) };
-    let distance_m = distance(shape, &numbers[shape.range(Numbers::Size)], seen.size);
-    let at = view.landmarks[seen.landmark];
-    if view.landmarks.len() == 1 {
-        return seen_from(view, ring(0.0, at, distance_m, seen.bearing_rad, true));
-    }
-    let mut last = begin;
-    while last < view.steps.len() && view.steps[last].seen.end < step.seen.start + TRIED {
-        last += 1;
-    }
-    let turn = |i: usize| std::f64::consts::TAU * i as f64 / STARTS as f64;
-    let starts = (0..STARTS).map(|i| seen_from(view, ring(turn(i), at, distance_m, seen.bearing_rad, false)));
-    let walk = Walk { shape, numbers, memory: Memory::default(), view, counted: UNCOUNTED };
-    let likely = |start: &Belief| walk.filter(begin..last, &mut start.clone()).total(0);
-    let scored = starts.map(|start| (likely(&start), start));
-    let best = scored.reduce(|a, b| if b.0 > a.0 { b } else { a });
-    best.map_or_else(|| ring(0.0, at, distance_m, seen.bearing_rad, false), |(_, start)| start)
-}
-
-/// The pose from which a landmark in direction `towards_rad` of the world stands at a distance and a bearing.
-fn ring(towards_rad: f64, [x_m, y_m]: [f64; 2], distance_m: f64, bearing_rad: f64, only: bool) -> Belief {
-    let (sin, cos) = sin_cos(towards_rad);
-    let mean = Vector3::new(x_m + distance_m * sin, y_m - distance_m * cos, wrap_rad(towards_rad - bearing_rad));
-    // Across the line of sight a pose before a single landmark is a matter of naming.
-    let (along, across) = (0.09, if only { 1e-8 } else { 0.09 });
-    let ray = Vector3::new(-sin, cos, 0.0);
-    let side = Vector3::new(cos, sin, 0.0);
-    let heading = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, 0.09));
-    Belief { mean, covariance: along * ray * ray.transpose() + across * side * side.transpose() + heading }
-}
-
-/// The body's pose, given the sensor's.
-fn seen_from(view: &View, sensor: Belief) -> Belief {
-    let ([x_m, y_m], _) = view.out(sensor.mean.z);
-    Belief { mean: sensor.mean - Vector3::new(x_m, y_m, 0.0), ..sensor }
-}
-
-/// The distance at which the size's curve comes nearest to a size.
-fn distance(shape: &Shape, numbers: &[f64], size: f64) -> f64 {
-    let [near_m, far_m] = shape.near_far_m;
-    let (mut columns, mut slopes) = (vec![0.0; numbers.len()], [0.0; 4]);
-    let mut off = |distance_m: f64| {
-        let sight = Sight {
-            distance_m,
-            bearing_rad: 0.0,
-            off_rad: 0.0,
-            pan_rad_per_s: 0.0,
-            theta_rad: atan2(0.0, 1.0),
-            landmark: 0,
-            attempt: [0.0; 3],
-        };
-        shape.size_columns(&sight, &mut columns, &mut slopes);
-        let curve = shape.curve_width();
-        let expected = columns[..curve].iter().zip(numbers).fold(0.0, |sum, (a, b)| sum + a * b);
-        (expected - size).abs()
-    };
-    let places = (0..=200).map(|i| near_m * 0.7 + (far_m * 1.3 - near_m * 0.7) * f64::from(i) / 200.0);
-    let scored = places.map(|distance_m| (off(distance_m), distance_m));
-    scored.reduce(|a, b| if b.0 < a.0 { b } else { a }).map_or(near_m, |(_, distance_m)| distance_m)
 }

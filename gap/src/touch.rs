@@ -3,7 +3,7 @@
 use asami_sim::effect::{Block, Place};
 
 use crate::plant::Variant;
-use crate::shape::{Numbers, ORDER, Shape};
+use crate::shape::Numbers;
 
 /// Kinds of effects, by what they touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,12 +36,5 @@ impl Touch {
             Numbers::False => self != Self::Sight,
             Numbers::SizeNoise | Numbers::BearingNoise | Numbers::Detection => true,
         }
-    }
-
-    /// Takes out of a change what such an effect leaves alone: what runs show of it is chance, or a fit's mistake, as when a
-    /// share of false sightings is taken for a bent curve.
-    pub fn keeps_to(self, shape: &Shape, change: &mut [f64]) {
-        let left = ORDER.into_iter().filter(|group| !self.changes(*group));
-        left.for_each(|group| change[shape.range(group)].fill(0.0));
     }
 }

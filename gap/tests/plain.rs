@@ -2,11 +2,12 @@
 
 use std::sync::OnceLock;
 
-use asami_dataset::{Channel, Log, Seed};
+use asami_dataset::{Channel, Log, Seed, Sighting, Size};
 use asami_gap::answer::experiment::{Course, best, promise};
 use asami_gap::answer::how_far::misfit;
 use asami_gap::library::{Budget, play};
 use asami_gap::race::Pace;
+use asami_gap::shape::Numbers;
 use asami_gap::touch::Touch;
 use asami_gap::weigh::evidence::{CLOSE, Weighed, weigh};
 use asami_gap::{Calibration, Diagnoser, Library, Planted, Responds, Variant};
@@ -213,13 +214,62 @@ fn logs_that_show_nothing_are_refused_and_odd_ones_survived() {
     }
 }
 
+/// A wrong place to start from costs thousands of nats: the robot is then thought to be elsewhere for the rest of the log.
+#[test]
+fn a_false_sighting_at_the_very_beginning_costs_no_more_than_one_elsewhere() {
+    for seed in 20..26 {
+        let log = log(&[], seed);
+        let mut sightings = log.sightings.to_vec();
+        let other = |landmark: u16| (landmark + 2) % 4;
+        let mistaken = |seen: &Sighting| Sighting {
+            landmark: other(seen.landmark),
+            size: Size::HeightPx(0.5 * seen.size.value()),
+            ..*seen
+        };
+        let likely = |sightings: &[Sighting]| {
+            let log = Log { sightings: sightings.to_vec().into(), ..log.clone() };
+            library().judge(&log).unwrap().log_likelihood(&[])
+        };
+        let as_it_was = likely(&sightings);
+        // The first three, which are in as many frames.
+        for seen in &mut sightings[..3] {
+            *seen = mistaken(seen);
+        }
+        // What begins later is not yet as sure of itself.
+        let lost = as_it_was - likely(&sightings);
+        assert!(lost.abs() < 15.0, "seed {seed}: {lost} nats");
+    }
+}
+
+/// What is in the image is seen as often, whatever else is taken for a landmark now and then.
+#[test]
+fn false_sightings_change_neither_curves_nor_what_is_seen_of_landmarks_in_the_image() {
+    let library = library();
+    let shape = &library.base.shape;
+    let (without, with) = (library.numbers(&[]), library.numbers(&[planted("false_sightings", 1.0, 0.1)]));
+    let change = |group: Numbers| shape.range(group).map(|i| with[i] - without[i]).collect::<Vec<_>>();
+    for group in [Numbers::Motion, Numbers::MotionNoise, Numbers::Size, Numbers::Bearing] {
+        assert!(change(group).iter().all(|it| *it == 0.0), "{group:?}");
+    }
+    // Of eight bins of the angle off the centre six lie well within the image: there the landmark itself, or an impostor, is
+    // reported.
+    for of_distance in change(Numbers::Detection).chunks(8) {
+        assert!(of_distance[..6].iter().all(|it| it.abs() < 0.5), "{of_distance:?}");
+    }
+    // A tenth of the frames, in which else six landmarks in ten frames are seen.
+    let share = 1.0 / (1.0 + (-with[shape.range(Numbers::False).start]).exp());
+    let log = log(&[planted("false_sightings", 1.0, 0.1)], 30);
+    let expected = 0.1 * log.frames.as_ref().unwrap().len() as f64 / log.sightings.len() as f64;
+    assert!((share / expected - 1.0).abs() < 0.25, "{share} of sightings, {expected} expected");
+}
+
 /// By how many nats logs of a course part two effects, whichever of them it is: as promised, and as it comes out.
 fn parted(hold_s: f64, tied: &[Weighed; 2]) -> (Course, f64, f64) {
     let mut driven = world::Plain::default();
     driven.exploring.hold_s = hold_s;
     let played = |planted: &[Planted], seed: u64| play(&driven, planted, Seed(2000 + seed), 120.0).unwrap().log;
-    let course = Course { words: format!("held for {hold_s} s"), keys: String::new(), log: played(&[], 100) };
-    let judge = library().judge(&course.log).unwrap();
+    let course = Course { words: format!("held for {hold_s} s"), keys: String::new(), logs: vec![played(&[], 100)] };
+    let judge = library().judge(&course.logs[0]).unwrap();
     let promised = promise(&*judge, &tied.each_ref().map(|it| (it, 0.5))).leading_nats;
     let found = |truth: &Weighed, other: &Weighed| {
         let of = |seed: u64| {
@@ -260,7 +310,7 @@ fn the_course_that_promises_most_keeps_its_promise() {
     // nothing.
     let courses = [own.0.clone(), short.0.clone()];
     let chosen = |after: &Course| {
-        let judge = library().judge(&after.log).unwrap();
+        let judge = library().judge(&after.logs[0]).unwrap();
         best(library(), &courses, promise(&*judge, &tied), &tied).map(|(course, _)| course.words.clone())
     };
     assert!(own.1 > 2.0 * short.1, "{} {}", own.1, short.1);

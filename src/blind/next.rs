@@ -20,6 +20,9 @@ pub struct Next {
     pub advised_nats: f64,
     /// The log with the old commands.
     pub again_nats: f64,
+    /// What was expected of the advised one.
+    #[serde(default)]
+    pub promised_nats: Option<f64>,
 }
 
 impl Next {
@@ -53,7 +56,8 @@ pub(super) fn follow(
         let likelihood = contest.judges().of(&log).ok()?;
         Some(speaks_for(&*likelihood, [truth, rival], contest.variants()))
     };
-    Some(Next { advised_nats: nats(advised)?, again_nats: nats(planting.nominal.clone())? })
+    let promised_nats = diagnosis.next_nats.map(|[_, promised]| promised);
+    Some(Next { advised_nats: nats(advised)?, again_nats: nats(planting.nominal.clone())?, promised_nats })
 }
 
 /// Of the two most probable effects the one that is the truth, and the other.

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 
 use crate::scenario::{Policy, Roams, Simulation};
 
-/// The seed of the logs that courses are judged by: no case has it.
-const SEED: Seed = Seed(7_900_000_000);
+/// Seeds of the logs that courses are judged by: no case has them.
+const SEEDS: [Seed; 3] = [Seed(7_900_000_000), Seed(7_900_000_001), Seed(7_900_000_002)];
 /// For how long commands are held, s.
 const HOLDS_S: [f64; 5] = [0.25, 0.5, 1.0, 2.5, 8.0];
 /// Share of a field's extent that is a small one.
@@ -24,13 +24,14 @@ pub struct Played {
     simulation: Simulation,
     length_s: f64,
     courses: OnceLock<Vec<Course>>,
+    again: OnceLock<Option<Course>>,
 }
 
 impl Played {
     /// Of logs of this length.
     #[must_use]
     pub fn new(simulation: &Simulation, length_s: f64) -> Self {
-        Self { simulation: simulation.clone(), length_s, courses: OnceLock::new() }
+        Self { simulation: simulation.clone(), length_s, courses: OnceLock::new(), again: OnceLock::new() }
     }
 
     /// The world driven as these keys have it.
@@ -44,14 +45,22 @@ impl Played {
     }
 
     fn play(&self, way: Way) -> Option<Course> {
-        let log = play(&self.driving(way.drive), &[], SEED, self.length_s).ok()?.log;
-        Some(Course { words: way.words, keys: way.keys, log })
+        let world = self.driving(way.drive);
+        let log = |seed: &Seed| play(&world, &[], *seed, self.length_s).ok().map(|played| played.log);
+        // An engine with contacts takes seconds a log.
+        let seeds = if world.robot.name() == "plain" { &SEEDS[..] } else { &SEEDS[..1] };
+        Some(Course { words: way.words, keys: way.keys, logs: seeds.iter().map(log).collect::<Option<_>>()? })
     }
 }
 
 impl Courses for Played {
     fn courses(&self) -> &[Course] {
         self.courses.get_or_init(|| ways(&self.simulation).into_par_iter().filter_map(|way| self.play(way)).collect())
+    }
+
+    fn again(&self) -> Option<&Course> {
+        let way = || Way { words: "as before".into(), keys: String::new(), drive: self.simulation.drive.clone() };
+        self.again.get_or_init(|| self.play(way())).as_ref()
     }
 }
 
@@ -74,22 +83,30 @@ fn held(table: &str, own_s: f64, drive: impl Fn(f64) -> Policy) -> Vec<Way> {
 
 fn ways(simulation: &Simulation) -> Vec<Way> {
     match &simulation.drive {
-        Policy::Explore(own) => {
-            let mut ways = held("explore", own.hold_s, |hold_s| Policy::Explore(Exploring { hold_s, ..own.clone() }));
-            let [field_x_m, field_y_m] = [own.field_x_m, own.field_y_m].map(|it| (100.0 * INNER * it).round() / 100.0);
-            ways.push(Way {
-                words: format!("in the inner {field_x_m} by {field_y_m} m of the field"),
-                keys: format!("explore.field_x_m = {field_x_m}, explore.field_y_m = {field_y_m}"),
-                drive: Policy::Explore(Exploring { field_x_m, field_y_m, ..own.clone() }),
-            });
-            ways
-        }
+        Policy::Explore(own) => explored(own),
         Policy::Pace(own) => paced(own, &Policy::Pace),
         Policy::Stride(own) => paced(own, &Policy::Stride),
         Policy::Roam(own) => roamed(own),
         // A person who drives through traffic does not choose.
         Policy::Route(_) => Vec::new(),
     }
+}
+
+/// On the whole field and the inner part of it, commands held for all times.
+fn explored(own: &Exploring) -> Vec<Way> {
+    let mut ways = held("explore", own.hold_s, |hold_s| Policy::Explore(Exploring { hold_s, ..own.clone() }));
+    let [field_x_m, field_y_m] = [own.field_x_m, own.field_y_m].map(|it| (100.0 * INNER * it).round() / 100.0);
+    let inner = Exploring { field_x_m, field_y_m, ..own.clone() };
+    let place = format!("in the inner {field_x_m} by {field_y_m} m of the field");
+    let keys = format!("explore.field_x_m = {field_x_m}, explore.field_y_m = {field_y_m}");
+    let held_there = held("explore", own.hold_s, |hold_s| Policy::Explore(Exploring { hold_s, ..inner.clone() }));
+    ways.extend(held_there.into_iter().map(|way| Way {
+        words: format!("{} {place}", way.words),
+        keys: format!("{}, {keys}", way.keys),
+        ..way
+    }));
+    ways.push(Way { words: place, keys, drive: Policy::Explore(inner) });
+    ways
 }
 
 /// Commands of a wheeled robot held for other times than its own, and slower ones.

@@ -167,6 +167,7 @@ learner = "canonical"
             cannot_tell_apart: Vec::new(),
             next_experiment: None,
             next_keys: None,
+            next_nats: None,
             smallest_visible: BTreeMap::new(),
             astray_s: None,
             calibrated_on: None,

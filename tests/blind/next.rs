@@ -55,6 +55,7 @@ impl Diagnoses for Tied<'_> {
             verdict: Verdict::Tied,
             which,
             next_keys: Some("explore.hold_s = 8".to_owned()),
+            next_nats: Some([1.0, 8.0]),
             ..Diagnosis::flat(&[])
         })
     }
@@ -117,9 +118,9 @@ fn a_tie_is_followed_by_two_logs_of_the_true_world() {
     let mut followed = 0;
     for record in &results.records {
         let expected = match record.planted.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-            ["command_delay"] => Some(Next { advised_nats: 9.0, again_nats: 1.0 }),
+            ["command_delay"] => Some(Next { advised_nats: 9.0, again_nats: 1.0, promised_nats: Some(8.0) }),
             // The log speaks for what is not the truth.
-            ["command_scale"] => Some(Next { advised_nats: -9.0, again_nats: -1.0 }),
+            ["command_scale"] => Some(Next { advised_nats: -9.0, again_nats: -1.0, promised_nats: Some(8.0) }),
             _ => None,
         };
         assert_eq!(record.answers[0].next, expected, "{:?}", record.planted);

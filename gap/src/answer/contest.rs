@@ -135,6 +135,7 @@ impl Diagnosis {
             cannot_tell_apart: Vec::new(),
             next_experiment: None,
             next_keys: None,
+            next_nats: None,
             smallest_visible: std::collections::BTreeMap::new(),
             astray_s: None,
             calibrated_on: None,

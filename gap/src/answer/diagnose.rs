@@ -6,7 +6,7 @@ use asami_dataset::Log;
 
 use crate::answer::calibration::Calibration;
 use crate::answer::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
-use crate::answer::experiment::{Courses, advice};
+use crate::answer::experiment::{Advice, Courses, advice};
 use crate::answer::how_far::how_far;
 use crate::answer::place::places;
 use crate::judge::Judge;
@@ -73,18 +73,16 @@ impl Diagnoser<'_> {
             Verdict::Named | Verdict::Tied => Some(judge.numbers(&planted)),
         };
         let base = &judge.numbers(&[]);
-        let (next_experiment, next_keys) = (verdict == Verdict::Tied)
-            .then(|| self.next_experiment(judge, &findings, &ranked))
-            .flatten()
-            .map_or((None, None), |(words, keys)| (Some(words), keys));
+        let next = (verdict == Verdict::Tied).then(|| self.next_experiment(judge, &findings, &ranked)).flatten();
         let added: &[Planted] = if matches!(verdict, Verdict::Named | Verdict::Tied) { &planted } else { &[] };
         Ok(Diagnosis {
             schema: SCHEMA,
             verdict,
             places: better.map_or_else(Vec::new, |better| places(judge, base, &better)),
             which: self.causes(&findings, &ranked, best.as_deref(), block.as_deref(), adequacy_p),
-            next_experiment,
-            next_keys,
+            next_experiment: next.as_ref().map(|it| it.words.clone()),
+            next_nats: next.as_ref().and_then(|it| Some([it.parted_nats, it.promised_nats?])),
+            next_keys: next.and_then(|it| it.keys),
             set90: set90.iter().map(|cause| split(cause)).collect(),
             cannot_tell_apart,
             smallest_visible: smallest_visible(judge, self.variants),
@@ -95,17 +93,12 @@ impl Diagnoser<'_> {
     }
 
     /// What to record to split single effects that are about as probable.
-    fn next_experiment(
-        &self,
-        judge: &dyn Judge,
-        findings: &Findings,
-        ranked: &[(&String, f64)],
-    ) -> Option<(String, Option<String>)> {
+    fn next_experiment(&self, judge: &dyn Judge, findings: &Findings, ranked: &[(&String, f64)]) -> Option<Advice> {
         let single = |(cause, p): &(&String, f64)| {
             findings.weighed.iter().find(|it| it.effect == cause.as_str()).map(|weighed| (weighed, *p))
         };
         let tied: Vec<(&Weighed, f64)> = ranked.iter().filter(|it| it.1 > WORTH_SPLITTING).filter_map(single).collect();
-        if tied.len() < 2 { None } else { advice(judge, self.library, self.courses.courses(), &tied) }
+        if tied.len() < 2 { None } else { advice(judge, self.library, self.courses, &tied) }
     }
 
     /// How often a planted truth is exceeded by a flexible block as far as the best named model is here.

@@ -32,6 +32,9 @@ pub struct Diagnosis {
     /// good as any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub next_keys: Option<String>,
+    /// By how many nats the two most probable causes part in this log, and are expected to part in a log so driven.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub next_nats: Option<[f64; 2]>,
     /// For each effect's sized parameter, `NAME.PARAM`, the smallest distance from its null value that this
     /// log would have shown.
     pub smallest_visible: BTreeMap<String, f64>,

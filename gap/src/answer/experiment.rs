@@ -6,11 +6,18 @@
 
 use asami_dataset::Log;
 use asami_math::elementary::exp;
+use rayon::prelude::*;
 
 use crate::judge::Judge;
 use crate::library::Responds;
 use crate::weigh::evidence::Weighed;
-use crate::weigh::groups::{SPLIT_NATS, apart, signatures};
+use crate::weigh::groups::{apart, signatures};
+
+/// Two causes that are expected to part by so many nats part by 3, odds of 20 to 1, in four logs of five: a log-likelihood
+/// ratio of mean `J` has variance `2 J` where predictions differ in the mean.
+const SURE_NATS: f64 = 6.0;
+/// Other commands are advised where they are expected to part causes by so many times what the log's own do.
+const WORTH_CHANGING: f64 = 1.25;
 
 /// A way to drive the robot.
 #[derive(Clone, Debug)]
@@ -19,14 +26,19 @@ pub struct Course {
     pub words: String,
     /// The keys of the scenario that make it do so, as `table.key = value`.
     pub keys: String,
-    /// A log of the nominal world, so driven.
-    pub log: Log,
+    /// Logs of the nominal world, so driven: a promise is their mean.
+    pub logs: Vec<Log>,
 }
 
 /// Courses that may be driven next; they are only asked for where something is tied.
 pub trait Courses: Sync {
-    /// All of them, with logs as long as the one that is diagnosed.
+    /// All of them, each with logs as long as the one that is diagnosed.
     fn courses(&self) -> &[Course];
+
+    /// The robot's own commands once more: a log that leaves causes tied may have been an unlucky one of its kind.
+    fn again(&self) -> Option<&Course> {
+        None
+    }
 }
 
 /// None are known.
@@ -47,6 +59,25 @@ pub struct Promise {
     pub length_s: f64,
 }
 
+impl Promise {
+    /// Of several logs that are driven alike; `None` without one.
+    #[must_use]
+    pub fn mean(of: &[Self]) -> Option<Self> {
+        let mean = |of_one: fn(&Self) -> f64| of.iter().map(of_one).sum::<f64>() / of.len() as f64;
+        (!of.is_empty()).then(|| Self {
+            confusion: mean(|it| it.confusion),
+            leading_nats: mean(|it| it.leading_nats),
+            length_s: mean(|it| it.length_s),
+        })
+    }
+
+    /// Whether it is worth driving as another course promises.
+    #[must_use]
+    pub fn yields_to(&self, other: &Self) -> bool {
+        other.leading_nats >= SURE_NATS.max(WORTH_CHANGING * self.leading_nats)
+    }
+}
+
 /// What a log so driven would split of these causes, each with its probability, the most probable first.
 #[must_use]
 pub fn promise(judge: &dyn Judge, tied: &[(&Weighed, f64)]) -> Promise {
@@ -64,6 +95,13 @@ pub fn promise(judge: &dyn Judge, tied: &[(&Weighed, f64)]) -> Promise {
     Promise { confusion, leading_nats, length_s: judge.length_s() }
 }
 
+/// What a course promises, as the mean of its logs; `None` where none of them can be read.
+#[must_use]
+pub fn promise_of(library: &dyn Responds, course: &Course, tied: &[(&Weighed, f64)]) -> Option<Promise> {
+    let of_log = |log: &Log| library.judge(log).ok().map(|judge| promise(&*judge, tied));
+    Promise::mean(&course.logs.iter().filter_map(of_log).collect::<Vec<_>>())
+}
+
 /// The course that promises most, and what it promises; `None` where none promises more than the log's own commands.
 #[must_use]
 pub fn best<'a>(
@@ -72,43 +110,88 @@ pub fn best<'a>(
     own: Promise,
     tied: &[(&Weighed, f64)],
 ) -> Option<(&'a Course, Promise)> {
-    let judged = courses.iter().filter_map(|course| Some((course, library.judge(&course.log).ok()?)));
-    let promised = judged.map(|(course, judge)| (course, promise(&*judge, tied)));
-    let better = promised.filter(|(_, promise)| promise.confusion < own.confusion);
+    let of_course = |course: &'a Course| Some((course, promise_of(library, course, tied)?));
+    let promised: Vec<(&Course, Promise)> = courses.par_iter().filter_map(of_course).collect();
+    let better = promised.into_iter().filter(|(_, promise)| promise.confusion < own.confusion);
     better.reduce(|a, b| if b.1.confusion < a.1.confusion { b } else { a })
 }
 
-/// What to record next to split causes, in words, and the keys that make the robot drive so.
+/// What to record next, in words, and how far it would part the two most probable causes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Advice {
+    /// What to record.
+    pub words: String,
+    /// The keys that make the robot drive so; `None` where the log's own commands are as good as any.
+    pub keys: Option<String>,
+    /// By how much they part in the log.
+    pub parted_nats: f64,
+    /// By how much they are expected to part in the next one.
+    pub promised_nats: Option<f64>,
+}
+
+/// What to record next to split causes; `None` of fewer than two.
 #[must_use]
 pub fn advice(
     judge: &dyn Judge,
     library: &dyn Responds,
-    courses: &[Course],
+    courses: &dyn Courses,
     tied: &[(&Weighed, f64)],
-) -> Option<(String, Option<String>)> {
+) -> Option<Advice> {
     let [(a, _), (b, _), ..] = tied else { return None };
     let (a, b) = (a.effect, b.effect);
-    let own = promise(judge, tied);
-    let apart = format!("{a} and {b} part by {:.1} nats in this log", own.leading_nats);
-    Some(match best(library, courses, own, tied) {
-        Some((course, promise)) if promise.leading_nats > SPLIT_NATS => {
-            let Promise { leading_nats, length_s, .. } = promise;
-            let Course { words, keys, .. } = course;
-            (format!("{apart}; {words}, they would part by {leading_nats:.1} in {length_s:.0} s"), Some(keys.clone()))
-        }
-        _ => (again(&apart, own, courses.len()), None),
+    let here = promise(judge, tied);
+    let parted_nats = here.leading_nats;
+    let (again, courses) = (|| courses.again(), courses.courses());
+    let again = (!courses.is_empty()).then(again).flatten().and_then(|course| promise_of(library, course, tied));
+    let own = again.filter(|again| again.leading_nats > parted_nats).unwrap_or(here);
+    let apart = format!("{a} and {b} part by {parted_nats:.1} nats in this log");
+    Some(match best(library, courses, own, tied).filter(|(_, promise)| own.yields_to(promise)) {
+        Some((course, Promise { leading_nats, length_s, .. })) => Advice {
+            words: format!("{apart}; {}, they would part by {leading_nats:.1} in {length_s:.0} s", course.words),
+            keys: Some(course.keys.clone()),
+            parted_nats,
+            promised_nats: Some(leading_nats),
+        },
+        None => Advice { words: once_more(&apart, own, courses.len()), keys: None, parted_nats, promised_nats: None },
     })
 }
 
 /// Nothing is better than what was done.
-fn again(apart: &str, own: Promise, courses: usize) -> String {
-    // A set of one needs odds of about 20 to 1 on average: 6 nats leave room for chance.
-    let needed_s = own.length_s * 6.0 / own.leading_nats.max(1e-6);
+fn once_more(apart: &str, own: Promise, courses: usize) -> String {
+    let needed_s = own.length_s * SURE_NATS / own.leading_nats.max(1e-6);
     if needed_s < 20.0 * own.length_s {
         format!("{apart}: about {needed_s:.0} s of such commands would split them")
     } else if courses == 0 {
         format!("{apart}: commands of this kind will not split them")
     } else {
         format!("{apart}: neither commands of this kind nor any of {courses} other courses will split them")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn promise(leading_nats: f64) -> Promise {
+        Promise { confusion: exp(-0.25 * leading_nats), leading_nats, length_s: 60.0 }
+    }
+
+    #[test]
+    fn other_commands_are_worth_driving_where_they_split_surely_and_better() {
+        let yields = |own: f64, other: f64| promise(own).yields_to(&promise(other));
+        assert!(yields(1.0, 6.0) && !yields(1.0, 5.9));
+        assert!(yields(8.0, 10.0) && !yields(8.0, 9.9));
+        // Of mean J and variance 2 J a log-likelihood ratio is below 3 in one log of five: share_below(-0.84) = 0.2.
+        let z = (SURE_NATS - 3.0) / (2.0 * SURE_NATS).sqrt();
+        assert!((0.84..0.9).contains(&z), "{z}");
+    }
+
+    #[test]
+    fn a_course_s_promise_is_the_mean_of_its_logs_confusion_too() {
+        assert_eq!(Promise::mean(&[]), None);
+        let mean = Promise::mean(&[promise(0.0), promise(8.0)]).unwrap();
+        assert_eq!((mean.leading_nats, mean.length_s), (4.0, 60.0));
+        // One log in two that splits nothing is worse than two that split half.
+        assert!(mean.confusion > promise(4.0).confusion);
     }
 }

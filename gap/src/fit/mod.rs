@@ -13,7 +13,8 @@ use asami_math::elementary::sin_cos;
 use crate::columns::{Columns, Group};
 use crate::memory::Memory;
 use crate::rhythm::{Heard, Rhythm};
-use crate::shape::{Shape, Sight};
+use crate::shape::{Numbers, Shape, Sight};
+use crate::touch::Touch;
 use crate::view::{CannotSee, View};
 
 /// A run: what was logged, and where the robot was at each frame.
@@ -99,26 +100,31 @@ pub fn remembered(shape: &Shape, rhythm: &Rhythm, numbers: &[f64], runs: &[Datas
 }
 
 /// The responses to an effect at several sizes, in shares of the greatest, as changes of the nominal one: what the runs
-/// do not show to change is left alone. `smooth` ones change as a parabola in the size.
+/// do not show to change is left alone, and so is what it cannot `touch`: a share of false sightings would be taken for a bent
+/// curve. `smooth` ones change as a parabola in the size.
 #[must_use]
 pub fn changed(
     shape: &Shape,
     (rhythm, base): (&Rhythm, &[f64]),
     runs: &[(f64, Vec<Dataset>)],
     free: Free,
+    touch: Touch,
     smooth: bool,
 ) -> Vec<Vec<f64>> {
     let runs: Vec<(f64, Vec<Run>)> = runs.iter().map(|(share, runs)| (*share, seen(shape, rhythm, runs))).collect();
     let mut responses = vec![base.to_vec(); runs.len()];
-    if smooth {
+    let moves = touch.changes(Numbers::Motion);
+    if moves && smooth {
         motion::changed(shape, &runs, free, &mut responses);
     }
     for (of, numbers) in runs.iter().zip(&mut responses) {
-        if !smooth {
+        if moves && !smooth {
             motion::changed(shape, std::slice::from_ref(of), free, std::slice::from_mut(numbers));
         }
-        motion::noise(shape, &of.1, true, numbers);
-        sensor::changed(shape, &of.1, numbers);
+        if moves {
+            motion::noise(shape, &of.1, true, numbers);
+        }
+        sensor::changed(shape, &of.1, touch, numbers);
         sensor::detection(shape, &of.1, numbers);
     }
     responses

@@ -11,6 +11,7 @@ use crate::memory::{Memory, Sway};
 use crate::rhythm::Heard;
 use crate::shape::{BANDS, Numbers, Shape, Sight};
 use crate::shrink::{Sums, ridged, shrunk};
+use crate::touch::Touch;
 
 /// Rounds in which it is told which sightings are of something else.
 const ROUNDS: usize = 4;
@@ -47,15 +48,22 @@ pub fn nominal(shape: &Shape, runs: &[Run], numbers: &mut [f64]) {
 }
 
 /// The sensor with an effect, as a change of the nominal one.
-pub fn changed(shape: &Shape, runs: &[Run], numbers: &mut [f64]) {
+pub fn changed(shape: &Shape, runs: &[Run], touch: Touch, numbers: &mut [f64]) {
     let known = numbers.to_vec();
+    let (bends, scatters) = (touch.changes(Numbers::Size), touch.changes(Numbers::False));
     // A bias must not be taken for a great many false sightings.
     let noises = [Numbers::SizeNoise, Numbers::BearingNoise].map(|group| shape.range(group));
     noises.into_iter().flatten().for_each(|i| numbers[i] += ln(3.0));
     numbers[shape.range(Numbers::False).start] = logit(FIRST_FALSE);
     for _ in 0..ROUNDS {
-        curves(shape, runs, Some(&known), numbers);
+        if bends {
+            curves(shape, runs, Some(&known), numbers);
+        }
         noise(shape, runs, Some(&known), numbers);
+    }
+    if !scatters {
+        let of_false = shape.range(Numbers::False);
+        numbers[of_false.clone()].copy_from_slice(&known[of_false]);
     }
 }
 

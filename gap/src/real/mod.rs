@@ -106,6 +106,7 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagno
         cannot_tell_apart: Vec::new(),
         next_experiment: None,
         next_keys: None,
+        next_nats: None,
         smallest_visible: smallest_visible(judge, variants),
         astray_s: None,
         calibrated_on: None,
