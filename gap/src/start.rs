@@ -32,9 +32,8 @@ impl Start {
     /// The likeliest under a response.
     #[must_use]
     pub fn find(shape: &Shape, numbers: &[f64], view: &View) -> Self {
-        let Some(first) = view.steps.iter().position(|step| !step.seen.is_empty()) else {
-            return Self { begin: 0, belief: ring(0.0, [0.0; 2], 1.0, 0.0, true) };
-        };
+        let anywhere = Self { begin: 0, belief: ring(0.0, [0.0; 2], 1.0, 0.0, true) };
+        let Some(first) = view.steps.iter().position(|step| !step.seen.is_empty()) else { return anywhere };
         let seen = view.steps[first].seen.start;
         let mut last = first;
         while last < view.steps.len() && view.steps[last].seen.end < seen + TRIED {
@@ -56,7 +55,7 @@ impl Start {
             }
             passed += step.seen.clone().fold(0.0, |sum, i| sum + ln_of_another(shape, numbers, view, begin, i));
         }
-        best.map_or_else(|| Self { begin: first, belief: ring(0.0, [0.0; 2], 1.0, 0.0, true) }, |(_, start)| start)
+        best.map_or(anywhere, |(_, start)| start)
     }
 }
 

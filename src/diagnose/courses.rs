@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use asami_dataset::Seed;
+use asami_dataset::{Log, Seed};
 use asami_gap::answer::experiment::{Course, Courses};
 use asami_gap::library::play;
 use asami_sim::drives::explore::Exploring;
@@ -24,7 +24,7 @@ pub struct Played {
     simulation: Simulation,
     length_s: f64,
     courses: OnceLock<Vec<Course>>,
-    again: OnceLock<Option<Course>>,
+    again: OnceLock<Vec<Log>>,
 }
 
 impl Played {
@@ -45,11 +45,14 @@ impl Played {
     }
 
     fn play(&self, way: Way) -> Option<Course> {
-        let world = self.driving(way.drive);
-        let log = |seed: &Seed| play(&world, &[], *seed, self.length_s).ok().map(|played| played.log);
+        Some(Course { words: way.words, keys: way.keys, logs: self.logs(way.drive)? })
+    }
+
+    fn logs(&self, drive: Policy) -> Option<Vec<Log>> {
+        let world = self.driving(drive);
         // An engine with contacts takes seconds a log.
         let seeds = if world.robot.name() == "plain" { &SEEDS[..] } else { &SEEDS[..1] };
-        Some(Course { words: way.words, keys: way.keys, logs: seeds.iter().map(log).collect::<Option<_>>()? })
+        seeds.iter().map(|seed| play(&world, &[], *seed, self.length_s).ok().map(|played| played.log)).collect()
     }
 }
 
@@ -58,9 +61,8 @@ impl Courses for Played {
         self.courses.get_or_init(|| ways(&self.simulation).into_par_iter().filter_map(|way| self.play(way)).collect())
     }
 
-    fn again(&self) -> Option<&Course> {
-        let way = || Way { words: "as before".into(), keys: String::new(), drive: self.simulation.drive.clone() };
-        self.again.get_or_init(|| self.play(way())).as_ref()
+    fn again(&self) -> &[Log] {
+        self.again.get_or_init(|| self.logs(self.simulation.drive.clone()).unwrap_or_default())
     }
 }
 

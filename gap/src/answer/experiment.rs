@@ -35,9 +35,9 @@ pub trait Courses: Sync {
     /// All of them, each with logs as long as the one that is diagnosed.
     fn courses(&self) -> &[Course];
 
-    /// The robot's own commands once more: a log that leaves causes tied may have been an unlucky one of its kind.
-    fn again(&self) -> Option<&Course> {
-        None
+    /// Logs of the robot's own commands once more: one that leaves causes tied may have been an unlucky one of its kind.
+    fn again(&self) -> &[Log] {
+        &[]
     }
 }
 
@@ -95,11 +95,10 @@ pub fn promise(judge: &dyn Judge, tied: &[(&Weighed, f64)]) -> Promise {
     Promise { confusion, leading_nats, length_s: judge.length_s() }
 }
 
-/// What a course promises, as the mean of its logs; `None` where none of them can be read.
-#[must_use]
-pub fn promise_of(library: &dyn Responds, course: &Course, tied: &[(&Weighed, f64)]) -> Option<Promise> {
+/// What logs that are driven alike promise, as their mean; `None` where none of them can be read.
+fn promise_of(library: &dyn Responds, logs: &[Log], tied: &[(&Weighed, f64)]) -> Option<Promise> {
     let of_log = |log: &Log| library.judge(log).ok().map(|judge| promise(&*judge, tied));
-    Promise::mean(&course.logs.iter().filter_map(of_log).collect::<Vec<_>>())
+    Promise::mean(&logs.iter().filter_map(of_log).collect::<Vec<_>>())
 }
 
 /// The course that promises most, and what it promises; `None` where none promises more than the log's own commands.
@@ -110,7 +109,7 @@ pub fn best<'a>(
     own: Promise,
     tied: &[(&Weighed, f64)],
 ) -> Option<(&'a Course, Promise)> {
-    let of_course = |course: &'a Course| Some((course, promise_of(library, course, tied)?));
+    let of_course = |course: &'a Course| Some((course, promise_of(library, &course.logs, tied)?));
     let promised: Vec<(&Course, Promise)> = courses.par_iter().filter_map(of_course).collect();
     let better = promised.into_iter().filter(|(_, promise)| promise.confusion < own.confusion);
     better.reduce(|a, b| if b.1.confusion < a.1.confusion { b } else { a })
@@ -141,9 +140,10 @@ pub fn advice(
     let (a, b) = (a.effect, b.effect);
     let here = promise(judge, tied);
     let parted_nats = here.leading_nats;
-    let (again, courses) = (|| courses.again(), courses.courses());
-    let again = (!courses.is_empty()).then(again).flatten().and_then(|course| promise_of(library, course, tied));
+    // Nothing needs be played to be held beside no course.
+    let again = if courses.courses().is_empty() { None } else { promise_of(library, courses.again(), tied) };
     let own = again.filter(|again| again.leading_nats > parted_nats).unwrap_or(here);
+    let courses = courses.courses();
     let apart = format!("{a} and {b} part by {parted_nats:.1} nats in this log");
     Some(match best(library, courses, own, tied).filter(|(_, promise)| own.yields_to(promise)) {
         Some((course, Promise { leading_nats, length_s, .. })) => Advice {
@@ -181,7 +181,7 @@ mod tests {
         let yields = |own: f64, other: f64| promise(own).yields_to(&promise(other));
         assert!(yields(1.0, 6.0) && !yields(1.0, 5.9));
         assert!(yields(8.0, 10.0) && !yields(8.0, 9.9));
-        // Of mean J and variance 2 J a log-likelihood ratio is below 3 in one log of five: share_below(-0.84) = 0.2.
+        // Of mean J and variance 2 J: a normal number is 0.84 standard deviations and more below its mean one time in five.
         let z = (SURE_NATS - 3.0) / (2.0 * SURE_NATS).sqrt();
         assert!((0.84..0.9).contains(&z), "{z}");
     }
