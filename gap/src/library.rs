@@ -222,6 +222,9 @@ impl Base {
         let mut base = Self { shape, fitted: numbers.clone(), numbers, rhythm, memory };
         base.memory.spread = base.spread(runs);
         base.numbers = base.polished(&base.numbers, runs, &POLISHED_BLOCKS);
+        // None seen in nominal runs is no proof that there are none: the least share that was counted stays.
+        let of_false = base.shape.range(Numbers::False);
+        base.numbers[of_false.clone()].copy_from_slice(&base.fitted[of_false]);
         base.memory.spread = [1.0; 2];
         base.memory.spread = base.spread(runs);
         Some(base)

@@ -41,6 +41,8 @@ pub struct Shape {
     pub off_rad: f64,
     /// Least and greatest size.
     pub sizes: [f64; 2],
+    /// How likely a given landmark is reported in a given frame.
+    pub reported: f64,
 }
 
 /// A landmark from where the robot stands.
@@ -168,7 +170,8 @@ impl Shape {
         let (sin_b, cos_b) = sin_cos(sight.bearing_rad);
         let [right, forward, turn] = sight.attempt;
         let extra = self.curve_width();
-        columns[extra] = sight.off_rad * sight.off_rad * self.off_scale(d);
+        let off = self.inside(sight.off_rad);
+        columns[extra] = off * off * self.off_scale(d);
         columns[extra + 1] = (right * right + forward * forward + turn * turn).sqrt();
         columns[extra + 2] = fall * (forward * cos_b - right * sin_b);
     }
@@ -199,7 +202,7 @@ impl Shape {
     pub fn bearing_columns(&self, sight: &Sight, columns: &mut [f64]) {
         columns.fill(0.0);
         let d = sight.distance_m.max(0.05);
-        let off = sight.off_rad;
+        let off = self.inside(sight.off_rad);
         columns.copy_from_slice(&[
             1.0,
             off,
@@ -213,7 +216,10 @@ impl Shape {
     /// By how much the bearing that is read, and the size, change with the bearing, beyond the bearing itself.
     #[must_use]
     pub fn off_slopes(&self, sight: &Sight, size: &[f64], bearing: &[f64]) -> [f64; 2] {
-        let off = sight.off_rad;
+        let off = self.inside(sight.off_rad);
+        if off != sight.off_rad {
+            return [0.0; 2];
+        }
         let of_bearing = bearing[1] + 3.0 * off * off * bearing[2];
         let scale = self.off_scale(sight.distance_m.max(0.05));
         [2.0 * off * scale * size[self.curve_width()], of_bearing]
@@ -236,13 +242,17 @@ impl Shape {
         (1.0 - ANYTHING) * in_view + ANYTHING * anything
     }
 
+    /// An angle off the image's centre as the curves take it: far outside of the image a cubic says nothing.
+    fn inside(&self, off_rad: f64) -> f64 {
+        let reach = OFF_REACH * self.off_rad;
+        off_rad.clamp(-reach, reach)
+    }
+
     /// The angle off the image's centre at which a landmark is read there, by these numbers of the bearing: whether it is
     /// in the image hangs on that.
     #[must_use]
     pub fn off_read(&self, sight: &Sight, bearing: &[f64], columns: &mut [f64]) -> f64 {
-        // Far outside of the image a cubic says nothing.
-        let reach = OFF_REACH * self.off_rad;
-        self.bearing_columns(&Sight { off_rad: sight.off_rad.clamp(-reach, reach), ..*sight }, columns);
+        self.bearing_columns(sight, columns);
         columns.iter().zip(bearing).fold(sight.off_rad, |sum, (column, number)| sum + column * number)
     }
 
@@ -260,6 +270,12 @@ impl Shape {
         let [far, off] = self.in_bins(distance_m, off_rad);
         let within = (0.0..FAR_BINS as f64).contains(&far) && off < OFF_BINS as f64;
         within.then(|| far as usize * OFF_BINS + off as usize)
+    }
+
+    /// Whether nothing at such an angle off the image's centre is ever seen.
+    #[must_use]
+    pub fn is_beyond(&self, off_rad: f64) -> bool {
+        off_rad >= OFF_REACH * self.off_rad
     }
 
     /// The four bins between whose middles a place lies, with weights that add up to 1; outside of all, the nearest.

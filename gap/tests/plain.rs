@@ -133,6 +133,27 @@ fn shares_and_noise_between_sizes_that_were_played_are_found_on_average() {
     }
 }
 
+/// Whatever is taken for a landmark that is far outside of the image bends no curve there: an effect of motion, of timing or of
+/// the lens by which it would come into view gains next to nothing beside the truth. The share is found within three times the
+/// scatter of so many events.
+#[test]
+fn many_false_sightings_speak_for_nothing_besides() {
+    let share = 0.08;
+    let truth = planted("false_sightings", 1.0, share);
+    let names = ["image_delay", "slope", "landmark_moved", "lens_distortion"];
+    let others: Vec<Variant> = variants().into_iter().filter(|it| names.contains(&it.about.name)).collect();
+    for seed in 100..104 {
+        let log = log(std::slice::from_ref(&truth), seed);
+        let events = share * log.frames.as_ref().map_or(0, |frames| frames.len()) as f64;
+        let judge = library().judge(&log).unwrap();
+        for beside in weigh(&*judge, &others, std::slice::from_ref(&truth), CLOSE) {
+            assert!(beside.gain_nats < 10.0, "seed {seed}: {beside:?}");
+        }
+        let found = weigh(&*judge, std::slice::from_ref(&truth.variant), &[], CLOSE).remove(0).best.size;
+        assert!((found / share).ln().abs() < 3.0 / events.sqrt(), "seed {seed}: {found}");
+    }
+}
+
 /// Whoever hears only a part of what a filter finds hears the same: steps' log-likelihoods; their sum, as far as it is
 /// within 60 nats of another response's; and of what is out only that it is far behind.
 #[test]

@@ -30,11 +30,12 @@ pub fn shape(runs: &[Dataset]) -> Option<Shape> {
     let landmarks = first.log.known.landmarks.len();
     let columns = Columns::new(runs.iter().flat_map(|run| run.log.commands.iter()), landmarks);
     let (mut distances_m, mut offs_rad, mut sizes) = (Vec::new(), Vec::new(), Vec::new());
-    let mut ranges = false;
+    let (mut ranges, mut looks) = (false, 0.0);
     for run in runs {
         let Ok(run) = Run::new(run, &columns) else { continue };
         ranges |= run.view.ranges;
         for (i, step) in run.view.steps.iter().enumerate() {
+            looks += if step.looked { landmarks as f64 } else { 0.0 };
             for seen in &run.view.seen[step.seen.clone()] {
                 let sight = run.sight(i, seen.landmark, [0.0; 2]);
                 distances_m.push(sight.distance_m);
@@ -54,6 +55,7 @@ pub fn shape(runs: &[Dataset]) -> Option<Shape> {
         near_far_m: [at(&distances_m, 0.01)?, at(&distances_m, 0.99)?],
         off_rad: at(&offs_rad, 0.99)?,
         sizes: [at(&sizes, 0.0)?, at(&sizes, 1.0)?],
+        reported: sizes.len() as f64 / f64::max(looks, 1.0),
     })
 }
 

@@ -21,6 +21,8 @@ const FIRST_FALSE: f64 = 0.01;
 const LEAST_FALSE: f64 = 3e-4;
 /// Prior sightings of each bin of detection, at the share of the response that the fit starts from.
 const PRIOR_SIGHTINGS: f64 = 20.0;
+/// Least share of landmarks that are seen, and missed, wherever they are: none in a library's runs is no proof.
+const LEAST_SEEN: f64 = 0.002;
 /// Prior standard deviation of a curve of which nothing is known: none to speak of.
 const ANY_CURVE: f64 = 1e4;
 
@@ -234,26 +236,30 @@ pub fn memory(shape: &Shape, runs: &[Run], numbers: &[f64]) -> Memory {
     Memory { sways: [0, 1].map(|k| Sway::learn(&noises[k])), spread: [1.0; 2], frame_s: frame_s(runs) }
 }
 
-/// How often landmarks are seen, by bin.
+/// How often landmarks are seen, by bin. What was taken for a landmark hides whether the landmark would have been seen.
 pub fn detection(shape: &Shape, runs: &[Run], numbers: &mut [f64]) {
     let of = shape.range(Numbers::Detection);
     let bearing = shape.range(Numbers::Bearing);
     let mut columns = vec![0.0; bearing.len()];
     let mut counts = vec![[0.0; 2]; of.len()];
     for run in runs.iter().filter(|run| run.view.misses) {
+        let mut genuine = Vec::with_capacity(run.view.seen.len());
+        each(shape, run, numbers, |left, _| genuine.push(left.genuine));
         for (i, step) in run.view.steps.iter().enumerate() {
             for landmark in 0..run.view.landmarks.len() {
                 let sight = run.sight(i, landmark, shape.moved(numbers, landmark));
                 let off_rad = shape.off_read(&sight, &numbers[bearing.clone()], &mut columns);
                 let Some(bin) = shape.bin(sight.distance_m, off_rad) else { continue };
-                let seen = run.view.seen[step.seen.clone()].iter().any(|it| it.landmark == landmark);
-                counts[bin][usize::from(seen)] += 1.0;
+                match step.seen.clone().find(|it| run.view.seen[*it].landmark == landmark) {
+                    Some(seen) => counts[bin][1] += genuine[seen],
+                    None => counts[bin][0] += 1.0,
+                }
             }
         }
     }
     for ([missed, seen], known) in counts.into_iter().zip(&mut numbers[of]) {
         let prior = PRIOR_SIGHTINGS / (1.0 + exp(-*known));
-        let share = ((seen + prior) / (seen + missed + PRIOR_SIGHTINGS)).clamp(0.02, 0.98);
+        let share = ((seen + prior) / (seen + missed + PRIOR_SIGHTINGS)).clamp(LEAST_SEEN, 1.0 - LEAST_SEEN);
         *known = logit(share);
     }
 }

@@ -59,6 +59,9 @@ const PRIOR_UNKNOWN: f64 = 0.1;
 /// cases would have all evidence distrusted. Its order still says something: the `r`-th most probable cause is then the true
 /// one as `1 / (r (r + 1))`.
 const SLIP: f64 = 0.02;
+/// A cause that is taken out of the list is there, and does not show, in so large a share of the cases that have it: sizes are
+/// drawn from below what is visible.
+const UNSEEN: f64 = 0.4;
 /// Folds of the cross-validation.
 const FOLDS: usize = 5;
 /// Strata of the 90 % set: below, between and above these nats of greatest evidence.
@@ -138,7 +141,20 @@ impl Calibration {
             let cause = if is_unknown(cause) { UNKNOWN } else { cause };
             *probabilities.entry(cause.to_owned()).or_insert(0.0) += p;
         }
+        let unseen = self.taken_out(evidence) * UNSEEN * (1.0 - PRIOR_NONE - PRIOR_UNKNOWN) / PRIOR_NONE;
+        let more = unseen * probabilities.get(NONE).copied().unwrap_or(0.0);
+        if more > 0.0 {
+            *probabilities.entry(UNKNOWN.to_owned()).or_insert(0.0) += more;
+            probabilities.values_mut().for_each(|p| *p /= 1.0 + more);
+        }
         probabilities
+    }
+
+    /// The share of the causes that were learned from which nobody asks for.
+    fn taken_out(&self, evidence: &Evidence) -> f64 {
+        let learned = || self.beta.keys().filter(|cause| is_single(cause));
+        let gone = learned().filter(|cause| !evidence.contains_key(*cause)).count();
+        gone as f64 / learned().count().max(1) as f64
     }
 
     /// The flexible block in which a cause in nobody's list would lie.

@@ -190,3 +190,23 @@ fn the_error_is_each_effect_s_own() {
     };
     assert!(p("a") < 0.2 && p("c") > 0.8, "{} {} {calibration:?}", p("a"), p("c"));
 }
+
+/// Of a list from which most is taken out, nothing that shows does not say that there is nothing.
+#[test]
+fn what_is_taken_out_of_the_list_may_be_there_and_not_show() {
+    let calibration = Calibration::learn(&with_a_library_that_errs(200));
+    let singles: Vec<&String> = calibration.beta.keys().filter(|it| is_single(it)).collect();
+    assert!(singles.len() > 1, "{singles:?}");
+    let of = |asked: &[&String]| {
+        let evidence: Evidence = asked.iter().map(|cause| ((*cause).clone(), -2.0)).collect();
+        calibration.probabilities(&evidence)
+    };
+    let [whole, empty] = [of(&singles), of(&[])];
+    let unknown = |of: &BTreeMap<String, f64>| of.get(UNKNOWN).copied().unwrap_or(0.0);
+    assert!(unknown(&whole) < 0.05, "{whole:?}");
+    // None of the list is left: 0.6 times two in five, beside 0.3.
+    assert!((unknown(&empty) / empty[NONE] - 0.8).abs() < 1e-9, "{empty:?}");
+    for of in [&whole, &empty] {
+        assert!((of.values().sum::<f64>() - 1.0).abs() < 1e-9, "{of:?}");
+    }
+}

@@ -4,6 +4,8 @@
 //! landmark from its sensor's. What it gives for every frame is `log p(o_t | past)` (Stronger 2008,
 //! equations 4.13 and 4.14), and the standardised innovations.
 
+mod detection;
+
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -17,6 +19,8 @@ use crate::memory::Memory;
 use crate::shape::{CHANGING, Numbers, Shape, Sight, speed_class};
 use crate::state::{Belief, STEADY, SWAYING, SWAYS, State};
 use crate::view::{Seen, View};
+use detection::Seeing;
+pub use detection::{Counted, Counts, UNCOUNTED, counted};
 
 /// Variances that a second adds where a robot goes astray: 0.3 m to the right and forwards, a radian.
 const ASTRAY: [f64; 3] = [0.1, 0.1, 1.0];
@@ -24,12 +28,6 @@ const ASTRAY: [f64; 3] = [0.1, 0.1, 1.0];
 const RAIL_RAD: f64 = 1e-3;
 /// A sway is not followed over a gap of so many frames.
 const GAP: f64 = 2.5;
-
-/// Which landmarks' being seen or missed counts, by step and landmark.
-pub type Counted = Vec<bool>;
-
-/// Where nobody counts what is missed.
-pub const UNCOUNTED: &[bool] = &[];
 
 /// A response's numbers, ready to be used step by step.
 struct Ready<'a> {
@@ -45,6 +43,8 @@ struct Ready<'a> {
     bearing_vars: Vec<f64>,
     share_false: f64,
     seen: Vec<f64>,
+    /// Of each landmark of the frame at hand, where it is known what was missed: how likely it is to be seen.
+    shares: Vec<Option<Seeing>>,
     visits: Vec<f64>,
     size_columns: Vec<f64>,
     bearing_columns: Vec<f64>,
@@ -63,7 +63,7 @@ pub struct Walk<'a> {
     /// The log.
     pub view: &'a View,
     /// What is missed counts where this says so.
-    pub counted: &'a [bool],
+    pub counted: &'a [Counts],
 }
 
 impl Walk<'_> {
@@ -87,30 +87,6 @@ impl Walk<'_> {
     }
 }
 
-/// Which landmarks' being seen or missed says something: those that lie two standard deviations of the pose away
-/// from any edge of what is seen. At an edge, misses follow from one another, and would be counted many times.
-#[must_use]
-pub fn counted(shape: &Shape, numbers: &[f64], view: &View, begin: usize, belief: &mut Belief) -> Counted {
-    let landmarks = view.landmarks.len();
-    let mut counted = vec![false; view.steps.len() * landmarks];
-    let mut ready = Ready::new(shape, numbers, Memory::default());
-    let mut state = State::<STEADY>::new(belief, &Memory::default());
-    for i in begin..view.steps.len() {
-        if view.steps[i].dt_s > 0.0 {
-            ready.predict(view, i, &mut state);
-        }
-        for landmark in 0..landmarks {
-            counted[i * landmarks + landmark] =
-                view.misses && view.steps[i].looked && ready.is_clear(view, i, landmark, &state.belief());
-        }
-        for seen in view.steps[i].seen.clone() {
-            ready.update(view, i, seen, &mut state);
-        }
-    }
-    *belief = state.belief();
-    counted
-}
-
 impl<'a> Ready<'a> {
     fn new(shape: &'a Shape, numbers: &'a [f64], memory: Memory) -> Self {
         let part = |group| &numbers[shape.range(group)];
@@ -129,6 +105,7 @@ impl<'a> Ready<'a> {
             bearing_vars: squares(Numbers::BearingNoise),
             share_false: logistic(part(Numbers::False)[0]),
             seen: part(Numbers::Detection).iter().map(|it| logistic(*it)).collect(),
+            shares: Vec::new(),
             visits: vec![0.0; shape.width(Numbers::Detection)],
             size_columns: vec![0.0; shape.width(Numbers::Size)],
             bearing_columns: vec![0.0; shape.width(Numbers::Bearing)],
@@ -171,9 +148,12 @@ impl<'a> Ready<'a> {
                 if H::EXPECTS {
                     // The entropy of a Gaussian: a half for each of its squares, and its scales.
                     let [size, bearing] = innovation.scale;
+                    let landmark = view.seen[seen].landmark;
+                    let [itself, _] = self.of_itself_or_mistaken(landmark);
+                    expected -= if self.is_counted(landmark) { 0.0 } else { ln(itself) };
                     expected += match view.aims {
-                        true => 1.0 + ln(TAU * size * bearing / (1.0 - self.share_false)),
-                        false => 0.5 + ln(TAU.sqrt() * size / (1.0 - self.share_false)),
+                        true => 1.0 + ln(TAU * size * bearing),
+                        false => 0.5 + ln(TAU.sqrt() * size),
                     };
                 }
                 who.sighting(innovation);
@@ -223,39 +203,6 @@ impl<'a> Ready<'a> {
         }
     }
 
-    /// The logarithm of the probability of what was seen and what was missed, and what is expected of minus it.
-    fn detection<H: Hears>(&mut self, view: &View, i: usize, belief: &Belief, counted: &[bool]) -> (f64, f64) {
-        let n = view.landmarks.len();
-        let counted = counted.get(i * n..(i + 1) * n).unwrap_or(UNCOUNTED);
-        let seen = &view.seen[view.steps[i].seen.clone()];
-        let (mut log_likelihood, mut expected) = (0.0, 0.0);
-        for (landmark, _) in counted.iter().enumerate().filter(|(_, counts)| **counts) {
-            let share = self.share_seen(view, i, landmark, belief).clamp(1e-6, 1.0 - 1e-6);
-            let found = seen.iter().any(|it| it.landmark == landmark);
-            log_likelihood += ln(if found { share } else { 1.0 - share });
-            if H::EXPECTS {
-                expected -= (1.0 - share) * ln(1.0 - share) + share * ln(share);
-            }
-        }
-        (log_likelihood, expected)
-    }
-
-    /// How likely a landmark is to be seen, wherever in the belief the robot is (three points of Gauss and Hermite over
-    /// the angle).
-    fn share_seen(&mut self, view: &View, i: usize, landmark: usize, belief: &Belief) -> f64 {
-        let sight = self.sight(view, i, landmark, belief);
-        let off_rad = self.shape.off_read(&sight, &self.numbers[self.bearing.clone()], &mut self.bearing_columns);
-        let [_, off_sd] = self.uncertain(view, landmark, sight.distance_m, belief);
-        let mut share = 0.0;
-        for (step, weight) in [(0.0, 2.0 / 3.0), (3.0_f64.sqrt(), 1.0 / 6.0), (-(3.0_f64.sqrt()), 1.0 / 6.0)] {
-            for (bin, part) in self.shape.bins(sight.distance_m, off_rad + step * off_sd) {
-                share += weight * part * self.seen[bin];
-                self.visits[bin] += weight * part;
-            }
-        }
-        share
-    }
-
     fn sight(&self, view: &View, i: usize, landmark: usize, belief: &Belief) -> Sight {
         view.sight(i, landmark, belief.mean.into(), self.moved(landmark))
     }
@@ -270,28 +217,6 @@ impl<'a> Ready<'a> {
         let ([x_m, y_m], [moved_x_m, moved_y_m]) = (view.landmarks[landmark], self.moved(landmark));
         let ([out_x_m, out_y_m], _) = view.out(belief.mean.z);
         [x_m + moved_x_m - belief.mean.x - out_x_m, y_m + moved_y_m - belief.mean.y - out_y_m]
-    }
-
-    /// Standard deviations of a landmark's distance and bearing.
-    fn uncertain(&self, view: &View, landmark: usize, distance_m: f64, belief: &Belief) -> [f64; 2] {
-        let d = distance_m.max(0.05);
-        let [ux, uy] = self.towards(view, landmark, belief).map(|it| it / d);
-        let sd = |h: RowVector3<f64>| (h * belief.covariance * h.transpose()).x.max(0.0).sqrt();
-        by_pose([ux, uy], d, view.out(belief.mean.z).1).map(sd)
-    }
-
-    /// Whether a landmark is as likely to be seen two standard deviations of the pose to either side.
-    fn is_clear(&self, view: &View, i: usize, landmark: usize, belief: &Belief) -> bool {
-        let sight = self.sight(view, i, landmark, belief);
-        let [far, off] = self.uncertain(view, landmark, sight.distance_m, belief).map(|sd| 2.0 * sd);
-        let share = |far_m: f64, off_rad: f64| {
-            let bin = self.shape.bin(sight.distance_m + far_m, sight.off_rad + off_rad);
-            bin.map(|bin| self.seen[bin])
-        };
-        let Some(here) = share(0.0, 0.0) else { return false };
-        [(far, 0.0), (-far, 0.0), (0.0, off), (0.0, -off)]
-            .into_iter()
-            .all(|(far_m, off_rad)| share(far_m, off_rad).is_some_and(|there| (there - here).abs() < 0.15))
     }
 
     /// Takes one sighting in, and gives its log-likelihood and what it said.
@@ -333,8 +258,9 @@ impl<'a> Ready<'a> {
             true => (white[0] * white[0] + white[1] * white[1], TAU * scale[0] * scale[1], elsewhere),
             false => (white[0] * white[0], TAU.sqrt() * scale[0], elsewhere * TAU.sqrt() * scale[1]),
         };
-        let of_it = (1.0 - self.share_false) * exp(-0.5 * squares) / scales;
-        let of_another = self.share_false * elsewhere;
+        let [itself, mistaken] = self.of_itself_or_mistaken(landmark);
+        let of_it = itself * exp(-0.5 * squares) / scales;
+        let of_another = mistaken * elsewhere;
         let genuine = of_it / (of_it + of_another);
         // A sighting of something else leaves the state as it is, and nobody knows for sure which it was (probabilistic
         // data association, Bar-Shalom and Tse 1975).
