@@ -1,6 +1,7 @@
 //! Where a robot is when a log begins: of several places around one of the first landmarks that are reported, the likeliest.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, exp, ln, sin_cos};
@@ -16,8 +17,12 @@ use crate::view::{Seen, View};
 const STARTS: usize = 36;
 /// Any of so many sightings may be the first that is not of something else.
 const ANCHORS: usize = 8;
-/// Each start is tried on so many sightings.
+/// Each start is tried on so many sightings,
 const TRIED: usize = 60;
+/// of which so many are not of the landmark that is seen most: from it alone nobody knows where around it a robot is;
+const OF_OTHERS: usize = 20;
+/// but on no more than so many.
+const TRIED_AT_MOST: usize = 1000;
 
 /// Where a robot is, and when.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,10 +40,7 @@ impl Start {
         let anywhere = Self { begin: 0, belief: ring(0.0, [0.0; 2], 1.0, 0.0, true) };
         let Some(first) = view.steps.iter().position(|step| !step.seen.is_empty()) else { return anywhere };
         let seen = view.steps[first].seen.start;
-        let mut last = first;
-        while last < view.steps.len() && view.steps[last].seen.end < seen + TRIED {
-            last += 1;
-        }
+        let last = first + view.steps[first..].iter().take_while(|step| !tell(view, seen..step.seen.end)).count();
         let walk = Walk { shape, numbers, memory: Memory::default(), view, counted: UNCOUNTED };
         let mut best: Option<(f64, Self)> = None;
         // What is seen before a start was of something else.
@@ -57,6 +59,16 @@ impl Start {
         }
         best.map_or(anywhere, |(_, start)| start)
     }
+}
+
+/// Whether sightings tell starts apart, or are enough to try.
+fn tell(view: &View, sightings: Range<usize>) -> bool {
+    if sightings.len() < TRIED || sightings.len() >= TRIED_AT_MOST || view.landmarks.len() == 1 {
+        return sightings.len() >= TRIED;
+    }
+    let mut of = vec![0; view.landmarks.len()];
+    view.seen[sightings.clone()].iter().for_each(|seen| of[seen.landmark] += 1);
+    sightings.len() - of.into_iter().max().unwrap_or(0) >= OF_OTHERS
 }
 
 /// How likely a sighting of something else is.

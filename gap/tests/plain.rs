@@ -59,6 +59,23 @@ fn nominal_logs_fit_the_nominal_world() {
     }
 }
 
+/// A robot that has seen one landmark only may be anywhere around it: its start is sought by what it sees later.
+#[test]
+fn nobody_is_lost_who_sees_only_one_landmark_for_long() {
+    for seed in 0..12 {
+        let mut log = log(&[], seed);
+        let first = log.sightings.iter().next().expect("one").landmark;
+        let mut sightings = log.sightings.to_vec();
+        sightings.retain(|it| it.landmark == first || it.t_s > 25.0);
+        (log.sightings, log.frames) = (sightings.into(), None);
+        let judge = library().judge(&log).unwrap();
+        let reading = judge.read(&judge.numbers(&[]));
+        let n = reading.observations as f64;
+        let squares = reading.innovations.iter().map(|it| it.white * it.white).sum::<f64>();
+        assert!((squares - 2.0 * n).abs() < 4.5 * (4.0 * n).sqrt(), "seed {seed}: {squares} of {}", 2.0 * n);
+    }
+}
+
 #[test]
 fn no_effect_is_evident_in_nominal_logs() {
     for seed in 0..6 {
