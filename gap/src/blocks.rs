@@ -50,22 +50,23 @@ pub fn fit(judge: &dyn Judge, numbers: &[f64], of: &dyn Fn(usize) -> bool) -> Ve
     BLOCKS.into_iter().zip(ranges).map(|(block, range)| on.block(block, range, &here, &scores)).collect()
 }
 
-/// The response from `numbers` that makes several logs of one world most likely, as far as one block may change it;
-/// `numbers` themselves where nothing is gained that its freedom is worth.
+/// The response from `numbers` that makes several logs of one world most likely, as far as one block may change it, in those
+/// of its directions that change `free` numbers alone; `numbers` themselves where nothing is gained that its freedom is worth.
 #[must_use]
-pub fn polished(judges: &[&dyn Judge], numbers: &[f64], block: &'static str) -> Vec<f64> {
-    let fitted = fitted(judges, numbers, block);
+pub fn polished(judges: &[&dyn Judge], numbers: &[f64], block: &'static str, free: &dyn Fn(usize) -> bool) -> Vec<f64> {
+    let fitted = fitted(judges, numbers, block, free);
     fitted.filter(|it| it.evidence_nats > 0.0).map_or_else(|| numbers.to_vec(), |it| it.numbers)
 }
 
 /// The same, whatever its freedom is worth.
 #[must_use]
 pub fn likeliest(judges: &[&dyn Judge], numbers: &[f64], block: &'static str) -> Vec<f64> {
-    fitted(judges, numbers, block).map_or_else(|| numbers.to_vec(), |it| it.numbers)
+    fitted(judges, numbers, block, &|_| true).map_or_else(|| numbers.to_vec(), |it| it.numbers)
 }
 
-fn fitted(judges: &[&dyn Judge], numbers: &[f64], block: &'static str) -> Option<Fitted> {
-    let directions = judges.first()?.directions(numbers, block);
+fn fitted(judges: &[&dyn Judge], numbers: &[f64], block: &'static str, free: &dyn Fn(usize) -> bool) -> Option<Fitted> {
+    let mut directions = judges.first()?.directions(numbers, block);
+    directions.retain(|direction| direction.iter().enumerate().all(|(i, change)| *change == 0.0 || free(i)));
     let on = On { judges, numbers, directions: &directions, of: &|_| true };
     let none = vec![0.0; directions.len()];
     let here = on.likely(&none);

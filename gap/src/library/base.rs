@@ -1,0 +1,137 @@
+//! How the nominal world answers: learned from its runs with their truth, and polished without.
+
+use asami_dataset::{Dataset, Seed};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::{Budget, CannotLearn, FIRST_SEED, Library, play};
+use crate::blocks::polished;
+use crate::columns::Group;
+use crate::fit::{self, remembered};
+use crate::judge::Judge;
+use crate::memory::Memory;
+use crate::nominal::{CannotPlay, Nominal};
+use crate::rhythm::Rhythm;
+use crate::shape::{Numbers, Shape};
+use crate::sighted::Sighted;
+use crate::touch::Touch;
+
+/// In these blocks, one after another.
+const POLISHED_BLOCKS: [&str; 6] = ["noise", "sensor", "timing", "noise", "sensor", "timing"];
+/// What an effect changes, in these.
+const PLAYED_BLOCKS: [&str; 5] = ["noise", "sensor", "static_motion", "timing", "noise"];
+/// Of so many nominal logs the likelihood is made greatest.
+const POLISHED: usize = 16;
+
+/// The nominal response.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Base {
+    /// What the numbers mean.
+    pub shape: Shape,
+    /// The numbers.
+    pub numbers: Vec<f64>,
+    /// What the runs with their truth show of them, from which effects' changes are counted.
+    pub(super) fitted: Vec<f64>,
+    /// What of every log is taken away first.
+    pub rhythm: Rhythm,
+    /// How innovations hang on those before them.
+    pub memory: Memory,
+}
+
+impl Base {
+    /// Plays and learns the nominal response.
+    ///
+    /// # Errors
+    /// If the world cannot be played, or nothing is seen in it.
+    pub fn learn(nominal: &dyn Nominal, budget: &Budget) -> Result<Self, CannotLearn> {
+        let seeds: Vec<u64> = (0..budget.nominal_runs).collect();
+        let runs: Result<Vec<Dataset>, CannotPlay> =
+            seeds.into_par_iter().map(|i| play(nominal, &[], Seed(FIRST_SEED + i), budget.run_s)).collect();
+        Self::of(&runs?).ok_or(CannotLearn::Blind)
+    }
+
+    /// The response that runs of the nominal world show; `None` where no landmark is seen in them.
+    #[must_use]
+    pub fn of(runs: &[Dataset]) -> Option<Self> {
+        let shape = fit::shape(runs)?;
+        let shape = Shape { columns: shape.columns.knowing(&fit::motion_alone(&shape, runs)), ..shape };
+        let rhythm = fit::rhythm(&shape, runs);
+        let numbers = fit::nominal(&shape, &rhythm, runs);
+        let memory = remembered(&shape, &rhythm, &numbers, runs);
+        let mut base = Self { shape, fitted: numbers.clone(), numbers, rhythm, memory };
+        base.memory.spread = base.spread(runs);
+        base.numbers = base.polished(&base.numbers, runs, &POLISHED_BLOCKS, &|_| true);
+        // None seen in nominal runs is no proof that there are none: the least share that was counted stays.
+        let of_false = base.shape.range(Numbers::False);
+        base.numbers[of_false.clone()].copy_from_slice(&base.fitted[of_false]);
+        base.memory.spread = [1.0; 2];
+        base.memory.spread = base.spread(runs);
+        Some(base)
+    }
+
+    /// The numbers near these that make logs most likely, block by block: how a head that follows a landmark answers to a
+    /// sway, and what is left of a rhythm, shows in what a filter expects, and not in runs with their truth.
+    fn polished(
+        &self,
+        numbers: &[f64],
+        runs: &[Dataset],
+        of: &[&'static str],
+        free: &dyn Fn(usize) -> bool,
+    ) -> Vec<f64> {
+        let alone = Library { base: self.clone(), entries: Vec::new(), aside: None, astray: Vec::new() };
+        let judges: Vec<Sighted<'_>> =
+            runs.iter().take(POLISHED).filter_map(|run| Sighted::new(&run.log, &alone).ok()).collect();
+        let judges: Vec<&dyn Judge> = judges.iter().map(|judge| judge as &dyn Judge).collect();
+        of.iter().fold(numbers.to_vec(), |numbers, block| polished(&judges, &numbers, block, free))
+    }
+
+    /// What an effect changes, of which runs with their truth gave `change`: made most likely on the same logs where sightings
+    /// sway. A fit to the truth then takes for the effect's what the filter, which must tell a sway from a turn and from noise,
+    /// does not make of it, and costs true causes tens of nats: it is only trusted with curves of motion, wear and shares; and,
+    /// of what acts on sensing, with the curve of the size, which a few logs without truth leave tied to much else.
+    pub(super) fn played(&self, mut change: Vec<f64>, runs: &[Dataset], touch: Touch) -> Vec<f64> {
+        if !self.memory.sways() {
+            return change;
+        }
+        let trusted = self.trusted(touch);
+        self.distrusted().filter(|i| !trusted.contains(i)).for_each(|i| change[i] = 0.0);
+        let plus: Vec<f64> = self.numbers.iter().zip(&change).map(|(number, change)| number + change).collect();
+        let polished = self.polished(&plus, runs, &PLAYED_BLOCKS, &|i| !trusted.contains(&i));
+        polished.iter().zip(&self.numbers).map(|(with, without)| with - without).collect()
+    }
+
+    /// The size's numbers that a fit to the truth settles: all but that of the angle off the axis, of which a head that follows
+    /// landmarks sees next to nothing.
+    fn trusted(&self, touch: Touch) -> Vec<usize> {
+        let off_axis = self.shape.range(Numbers::Size).start + self.shape.curve_width();
+        match touch {
+            Touch::Sight => self.shape.range(Numbers::Size).filter(|i| *i != off_axis).collect(),
+            Touch::Motion | Touch::Scatter => Vec::new(),
+        }
+    }
+
+    /// What is rather found by how likely logs are than by their truth.
+    fn distrusted(&self) -> impl Iterator<Item = usize> {
+        let columns = &self.shape.columns;
+        let n = columns.len();
+        let of_sway = [Group::Lingering, Group::Held].map(|group| columns.range(group));
+        let moved =
+            of_sway.into_iter().flat_map(move |of| (0..3).flat_map(move |axis| axis * n + of.start..axis * n + of.end));
+        let sensed = [Numbers::MotionNoise, Numbers::Size, Numbers::Bearing, Numbers::SizeNoise, Numbers::BearingNoise];
+        let sensed: Vec<usize> = sensed.into_iter().flat_map(|group| self.shape.range(group)).collect();
+        moved.chain(sensed)
+    }
+
+    /// How far the nominal logs' innovations scatter, once sways are taken into account.
+    fn spread(&self, runs: &[Dataset]) -> [f64; 2] {
+        let alone = Library { base: self.clone(), entries: Vec::new(), aside: None, astray: Vec::new() };
+        let (mut squares, mut n) = ([0.0; 2], 0.0);
+        for judge in runs.iter().filter_map(|run| Sighted::new(&run.log, &alone).ok()) {
+            for it in judge.filtered(&self.numbers).innovations.iter().filter(|it| it.genuine > 0.5) {
+                (0..2).for_each(|k| squares[k] += it.white[k] * it.white[k]);
+                n += 1.0;
+            }
+        }
+        squares.map(|sum| if n > 0.0 { (sum / n).sqrt().max(0.1) } else { 1.0 })
+    }
+}

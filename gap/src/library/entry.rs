@@ -1,0 +1,132 @@
+//! What one kind of effect changes of the nominal response, by its size.
+
+use asami_dataset::{Dataset, Seed};
+use asami_math::elementary::ln;
+use asami_sim::effect::{Block, Place};
+use asami_sim::effects::catalogue;
+use serde::{Deserialize, Serialize};
+
+use super::{Base, Budget, FIRST_SEED, play};
+use crate::fit::{Free, changed};
+use crate::nominal::{CannotPlay, Nominal};
+use crate::plant::{Planted, Variant};
+use crate::shape::{Numbers, ORDER, Shape};
+use crate::sizes::{curved, spaced, straight, through};
+use crate::touch::Touch;
+
+/// What one kind of effect changes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    /// [`Variant::name`].
+    pub kind: String,
+    /// Sizes played, increasing.
+    pub sizes: Vec<f64>,
+    /// Changes of the nominal numbers at these sizes.
+    changes: Vec<Vec<f64>>,
+    /// How changes run from size to size.
+    run: Run,
+}
+
+/// How changes of means run over sizes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Run {
+    /// All on one polynomial of third degree through 0.
+    Polynomial,
+    /// On parabolas through the nearest sizes.
+    Parabolas,
+    /// In straight lines.
+    Straight,
+    /// Not at all: what scatters more lies where it lay. Noise and shares run on curves in the size's logarithm.
+    Logarithms,
+}
+
+impl Entry {
+    /// Plays one kind of effect at its sizes, with the seeds of the first nominal runs, and learns what it changes.
+    ///
+    /// # Errors
+    /// If the world cannot be played.
+    pub fn learn(nominal: &dyn Nominal, base: &Base, variant: &Variant, budget: &Budget) -> Result<Self, CannotPlay> {
+        let sizes = spaced(variant, budget.sizes_of(variant));
+        let mut runs: Vec<(f64, Vec<Dataset>)> = Vec::with_capacity(sizes.len());
+        for size in sizes {
+            let planted = [Planted { variant: variant.clone(), size }];
+            let of_size: Result<Vec<Dataset>, CannotPlay> =
+                (0..budget.runs).map(|i| play(nominal, &planted, Seed(FIRST_SEED + i), budget.run_s)).collect();
+            runs.push((size, of_size?));
+        }
+        Ok(Self::of(base, variant, runs))
+    }
+
+    /// What one kind of effect changes, as runs at several sizes, increasing, show it.
+    #[must_use]
+    pub fn of(base: &Base, variant: &Variant, mut runs: Vec<(f64, Vec<Dataset>)>) -> Self {
+        let sizes: Vec<f64> = runs.iter().map(|(size, _)| *size).collect();
+        let greatest = sizes.last().copied().unwrap_or(1.0);
+        runs.iter_mut().for_each(|(size, _)| *size /= greatest);
+        let free = Free { wear: variant.block() == Block::Drift };
+        let nominal = (&base.rhythm, base.fitted.as_slice());
+        let smooth = run(variant) == Run::Polynomial;
+        let responses = changed(&base.shape, nominal, &runs, free, Touch::of(variant), smooth);
+        let change = |(with, runs): (Vec<f64>, &[Dataset])| {
+            let change = with.iter().zip(&base.fitted).map(|(with, without)| with - without).collect();
+            base.played(change, runs, Touch::of(variant))
+        };
+        let runs = runs.iter().map(|(_, runs)| runs.as_slice());
+        let changes = responses.into_iter().zip(runs).map(change).collect();
+        Self { kind: variant.name(), sizes, changes, run: run(variant) }
+    }
+
+    /// Whether the effect is one of noise.
+    pub(crate) fn is_of_noise(&self) -> bool {
+        let name = self.kind.split(['+', '-']).next().unwrap_or_default();
+        catalogue().iter().any(|about| about.name == name && about.block == Block::Noise)
+    }
+
+    /// Takes out what it changes of some numbers.
+    pub(crate) fn leaves(&mut self, numbers: std::ops::Range<usize>) {
+        self.changes.iter_mut().for_each(|change| change[numbers.clone()].fill(0.0));
+    }
+
+    /// Adds the change at a size to `numbers`.
+    pub fn add(&self, shape: &Shape, size: f64, numbers: &mut [f64]) {
+        let n = self.sizes.len();
+        let even = || straight(&self.sizes, size, |size| size);
+        // Curves of sensing are learned size by size: between sizes they are what they are there.
+        let (motion, sensing) = match self.run {
+            Run::Polynomial => (through(&self.sizes, n.saturating_sub(3)..n, size), even()),
+            Run::Parabolas => {
+                let above = self.sizes.partition_point(|it| *it < size).clamp(1, n - 1);
+                let parabola = through(&self.sizes, above - 1..above + 1, size);
+                (parabola.clone(), parabola)
+            }
+            Run::Straight => (even(), even()),
+            Run::Logarithms => (Vec::new(), Vec::new()),
+        };
+        // Log-odds of shares and logarithms of noise go rather with the size's own logarithm.
+        let rest = if self.run == Run::Logarithms { curved } else { straight }(&self.sizes, size, ln);
+        for group in ORDER {
+            let weights = match group {
+                Numbers::Motion => &motion,
+                Numbers::Size | Numbers::Bearing | Numbers::Moved => &sensing,
+                _ => &rest,
+            };
+            for (weight, change) in weights.iter().zip(&self.changes).filter(|(weight, _)| **weight != 0.0) {
+                let of = shape.range(group);
+                for (number, change) in numbers[of.clone()].iter_mut().zip(&change[of]) {
+                    *number += weight * change;
+                }
+            }
+        }
+    }
+}
+
+/// How an effect's changes run over its sizes: delays cross from one age to the next, and what sensing does is seen so
+/// clearly that one polynomial for all sizes would smooth away more than it steadies.
+fn run(variant: &Variant) -> Run {
+    match variant.place() {
+        _ if variant.block() == Block::Timing => Run::Straight,
+        _ if variant.block() == Block::Noise => Run::Logarithms,
+        Place::Sensing | Place::Scene => Run::Parabolas,
+        Place::Actuation | Place::Dynamics => Run::Polynomial,
+    }
+}
