@@ -36,6 +36,10 @@ pub struct Answer {
     pub place_right: Option<bool>,
     /// Error of the size over `.67 / sqrt(2 D)` of it: 1 is the median of the best there can be.
     pub parameter_error: Option<f64>,
+    /// The same over the error that the bound of Cramer and Rao leaves in half of all such logs: `D` says how far an effect shows,
+    /// which of a share of what is missed is far more than how sharply.
+    #[serde(default)]
+    pub parameter_error_cr: Option<f64>,
     /// Whether the parameter's 90 % interval holds its value.
     pub parameter_covered: Option<bool>,
     /// Nats per observation below the better of the true world and the one found.
@@ -105,7 +109,8 @@ impl Key<'_> {
             in_set90: !in_set.is_empty(),
             set_size,
             place_right: cause.and_then(|cause| self.place_right(cause)),
-            parameter_error: estimate.map(|(error, _)| error),
+            parameter_error: estimate.map(|(off, _)| off * (2.0 * self.shown()).sqrt() / 0.67),
+            parameter_error_cr: estimate.and_then(|(off, _)| Some(off / self.reference.least_error?)),
             parameter_covered: estimate.map(|(_, covered)| covered),
             closed_claimed: diagnosis.how_far.closed,
             behaves_like: cause.and_then(|cause| cause.behaves_like.clone()),
@@ -130,17 +135,20 @@ impl Key<'_> {
         })
     }
 
-    /// Error over its limit and whether the interval holds the truth, of the very effect planted alone.
+    /// Nats by which the true world is more likely than the nominal one.
+    fn shown(&self) -> f64 {
+        self.reference.truth.map_or(0.0, |truth| truth - self.reference.none)
+    }
+
+    /// Error of the size, as a share of it, and whether the interval holds the truth, of the very effect planted alone.
     fn estimate(&self, cause: &Cause) -> Option<(f64, bool)> {
         let [effect] = &self.reference.effects[..] else { return None };
         let found = cause.parameters.get(&format!("{}.{}", effect.name, effect.parameter))?;
-        let d_nats = self.reference.truth? - self.reference.none;
-        if cause.effects != [effect.name.as_str()] || d_nats <= 0.0 {
+        if cause.effects != [effect.name.as_str()] || self.shown() <= 0.0 {
             return None;
         }
-        let limit = 0.67 / (2.0 * d_nats).sqrt();
         let off = (found.value - effect.value).abs() / effect.size;
-        Some((off / limit, found.interval[0] <= effect.value && effect.value <= found.interval[1]))
+        Some((off, found.interval[0] <= effect.value && effect.value <= found.interval[1]))
     }
 
     /// How far what was named closes the gap, by the referee's likelihood of the whole log.

@@ -16,6 +16,9 @@ const REFINED: usize = 3;
 /// Effects whose predictions part by less than this, at the sizes found, are one group.
 const SPLIT_NATS: f64 = 3.0;
 
+/// The information about a size is taken from sizes that are larger and smaller by so much of its logarithm.
+const STEP: f64 = 0.1;
+
 /// A planted effect in the key's words.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Effect {
@@ -55,6 +58,9 @@ pub struct Reference {
     /// keep the others, at any sizes, each less its half `k log n`. Of one effect it is `d_det`.
     #[serde(default)]
     pub d_each: Option<f64>,
+    /// Of a single effect: the error of its size, as a share of it, that the best there can be exceeds in half of all such logs.
+    #[serde(default)]
+    pub least_error: Option<f64>,
     /// Observations.
     pub observations: usize,
 }
@@ -98,6 +104,7 @@ pub fn judge(likelihood: &dyn Likelihood, planted: &[Planted], variants: &[Varia
         d_det,
         d_sep: Some(score(planted) - best),
         d_each: lacking.map(|lacking| score(planted) - lacking),
+        least_error: least_error(likelihood, planted),
         observations,
     }
 }
@@ -122,8 +129,21 @@ pub fn judge_unlisted(likelihood: &dyn Likelihood, unlisted: &[Unlisted]) -> Ref
         d_det: None,
         d_sep: None,
         d_each: None,
+        least_error: None,
         observations: likelihood.observations(),
     }
+}
+
+/// 0.67 standard deviations of a size by the bound of Cramer (1946) and Rao (1945), over the size: its information is what parts
+/// predictions under sizes to both sides.
+fn least_error(likelihood: &dyn Likelihood, planted: &[Planted]) -> Option<f64> {
+    let [of] = planted else { return None };
+    let (least, greatest) = of.variant.sizes();
+    let beside = |step: f64| Planted { size: (of.size * exp(step)).clamp(least, greatest), ..of.clone() };
+    let [below, above] = [-STEP, STEP].map(beside);
+    let apart = (above.size - below.size) / of.size;
+    let nats = likelihood.apart(&[below], &[above]);
+    (nats > 0.0).then(|| 0.67 * apart / (2.0 * nats).sqrt())
 }
 
 /// The best score without the `i`-th effect: of two, the other one is free to be of any size.

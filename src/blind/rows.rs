@@ -11,7 +11,7 @@ pub const COLUMNS: &str = "scenario,diagnoser,case,effects_true,d_det,d_sep,verd
                            top_group_right,in_set90,set_size,place_right,parameter_error,excess_before,excess_after,\
                            closed,oracle_closed,effect_withheld,named_right,true_probability,parameter_covered,\
                            closed_claimed,behaves_like,sizes_true,groups_true,observations,d_each,next_nats,\
-                           again_nats,promised_nats,error";
+                           again_nats,promised_nats,parameter_error_cr,error";
 
 /// Every case of every diagnoser, by case and then by diagnoser.
 #[must_use]
@@ -76,6 +76,7 @@ fn row(scenario: &str, diagnoser: &str, record: &Record, answer: &Answer) -> Vec
         optional(answer.next.map(|next| next.advised_nats)),
         optional(answer.next.map(|next| next.again_nats)),
         optional(answer.next.and_then(|next| next.promised_nats)),
+        optional(answer.parameter_error_cr),
         quoted(error),
     ]
 }

@@ -127,6 +127,8 @@ pub enum Measure {
     PlaceRight,
     /// Median error of the size over the limit of what the log shows.
     ParameterError,
+    /// The same over the error that the bound of Cramer and Rao leaves.
+    ParameterErrorCr,
     /// Share of the 90 % intervals that hold the true size.
     ParameterCovered,
     /// Nats gained by what was named over nats gained by the truth, both summed.

@@ -10,13 +10,14 @@ use crate::report::{Cell, RowKind, Table};
 use crate::sweep::verdict::Verdict;
 
 /// What the first table measures, with heads and decimals.
-const MEASURED: [(Measure, &str, usize); 9] = [
+const MEASURED: [(Measure, &str, usize); 10] = [
     (Measure::TopGroupRight, "top group right", 3),
     (Measure::InSet90, "in 90 % set", 3),
     (Measure::SetSize, "set size", 2),
     (Measure::ConfidentWrong, "wrong where P >= 0.9", 3),
     (Measure::PlaceRight, "place right", 3),
     (Measure::ParameterError, "size error / limit", 2),
+    (Measure::ParameterErrorCr, "size error / Cramer-Rao", 2),
     (Measure::ParameterCovered, "size in 90 % interval", 3),
     (Measure::ClosedRatio, "closed / oracle's", 3),
     (Measure::Unknown, "called unknown", 3),
@@ -52,7 +53,8 @@ fn strata(results: &Results) -> Table {
         "Cases with one effect or two, by how far the log separates the truth from everything that is not of its group \
          (one likelihood for all diagnosers). Shares with 95 % intervals (Wilson). Good: top group right >= 0.95 from 10 \
          nats on and >= 0.8 from 3 to 10; the 90 % set holds the truth in 0.87 to 0.97; sizes err at most 1.3 times what \
-         the log allows; what is named closes >= 0.95 of what the truth closes.",
+         the log allows, 0.67 / sqrt(2 D) of the size (and beside it by the bound of Cramer and Rao: the best there can be has 1 \
+         in the median); what is named closes >= 0.95 of what the truth closes.",
     );
     for (i, name) in results.blind.asked.diagnosers.iter().enumerate() {
         for stratum in STRATA {

@@ -164,6 +164,11 @@ fn followed<'a>(cases: &'a [Asked<'_>]) -> impl Iterator<Item = Next> + 'a {
     cases.iter().filter_map(|asked| asked.answer.next)
 }
 
+/// The median of those there are.
+fn middle(errors: impl Iterator<Item = Option<f64>>) -> Measured {
+    median(&errors.flatten().collect::<Vec<_>>()).into()
+}
+
 /// Measures some cases.
 #[must_use]
 pub fn measure(measure: Measure, cases: &[Asked<'_>]) -> Measured {
@@ -192,9 +197,8 @@ pub fn measure(measure: Measure, cases: &[Asked<'_>]) -> Measured {
         }
         Measure::Unknown => Share::over(all().map(|asked| asked.answer.named == [UNKNOWN])).into(),
         Measure::PlaceRight => Share::over(planted().map(|asked| asked.answer.place_right == Some(true))).into(),
-        Measure::ParameterError => {
-            median(&all().filter_map(|asked| asked.answer.parameter_error).collect::<Vec<_>>()).into()
-        }
+        Measure::ParameterError => middle(all().map(|asked| asked.answer.parameter_error)),
+        Measure::ParameterErrorCr => middle(all().map(|asked| asked.answer.parameter_error_cr)),
         Measure::ParameterCovered => Share::over(all().filter_map(|asked| asked.answer.parameter_covered)).into(),
         Measure::ClosedRatio => {
             let judged = planted().filter_map(|asked| Some((asked, asked.reference.truth?)));

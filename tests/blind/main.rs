@@ -2,6 +2,7 @@
 
 mod folder;
 mod next;
+mod size;
 mod two;
 
 use std::path::Path;
@@ -230,6 +231,7 @@ fn record(planted: &[&str], named: &str, probability: f64, right: bool, d_sep: f
             d_det: None,
             d_sep: Some(d_sep),
             d_each: Some(d_sep),
+            least_error: None,
             observations: 10,
         }),
         planted: planted.iter().map(|name| (*name).to_owned()).collect(),
@@ -311,6 +313,7 @@ fn answers_are_held_against_the_groups_of_the_truth() {
             d_det: None,
             d_sep: Some(20.0),
             d_each: None,
+            least_error: Some(0.1),
             observations: 10,
         };
         let withheld: Vec<String> = withheld.iter().map(|name| (*name).to_owned()).collect();
@@ -349,6 +352,7 @@ fn answers_are_held_against_the_groups_of_the_truth() {
     let answer = score(vec![delay()], &[], &[of("command_delay")]);
     let off = (of("command_delay").size - 0.1) / 0.1;
     assert!((answer.parameter_error.expect("an error") - off / 0.067).abs() < 1e-9);
+    assert!((answer.parameter_error_cr.expect("an error") - off / 0.1).abs() < 1e-9);
     assert_eq!((answer.place_right, answer.parameter_covered), (Some(true), Some(false)));
     assert_eq!(answer.oracle_closed, Some(1.0));
 }
