@@ -2,7 +2,11 @@
 //!
 //! A block is a handful of directions in which a response may change, each with a Gaussian prior. Its
 //! evidence is Laplace's; the curvature is that of the scores of single frames, so that means and noise are treated alike.
+//!
+//! Few effects take all of a block's directions, and each that is free costs nats: as likely as all of them are one, two or three
+//! alone, whichever (subsets by forward selection).
 
+use asami_math::elementary::{exp, ln};
 use rayon::prelude::*;
 
 use crate::directions::Direction;
@@ -23,6 +27,10 @@ pub struct Fitted {
     pub numbers: Vec<f64>,
 }
 
+/// Subsets of a block have so many directions and fewer.
+const SUBSET: usize = 3;
+/// A subset is fitted where its evidence comes so near to that of the best, in nats.
+const NEAR: f64 = 5.0;
 /// Steps of Newton's method for a block that a log speaks for; the others get one.
 const ITERATIONS: usize = 4;
 /// Evidence from which on a block is worth more than one step, in nats.
@@ -41,13 +49,13 @@ pub fn fit(judge: &dyn Judge, numbers: &[f64], of: &dyn Fn(usize) -> bool) -> Ve
     let here = on.likely(&vec![0.0; all.len()]);
     let scores: Vec<Vec<f64>> = (0..all.len()).map(|i| on.score(&vec![0.0; all.len()], &here, i)).collect();
     let mut start = 0;
-    let mut ranges: Vec<std::ops::Range<usize>> = Vec::new();
+    let mut members: Vec<Vec<usize>> = Vec::new();
     for directions in &each {
-        ranges.push(start..start + directions.len());
+        members.push((start..start + directions.len()).collect());
         start += directions.len();
     }
-    ranges.push(0..all.len());
-    BLOCKS.into_iter().zip(ranges).map(|(block, range)| on.block(block, range, &here, &scores)).collect()
+    members.push((0..all.len()).collect());
+    BLOCKS.into_iter().zip(members).map(|(block, of)| on.whole_or_part(block, &of, &here, &scores)).collect()
 }
 
 /// The response from `numbers` that makes several logs of one world most likely, as far as one block may change it, in those
@@ -71,7 +79,7 @@ fn fitted(judges: &[&dyn Judge], numbers: &[f64], block: &'static str, free: &dy
     let none = vec![0.0; directions.len()];
     let here = on.likely(&none);
     let scores: Vec<Vec<f64>> = (0..directions.len()).map(|i| on.score(&none, &here, i)).collect();
-    Some(on.block(block, 0..directions.len(), &here, &scores))
+    Some(on.block(block, &(0..directions.len()).collect::<Vec<_>>(), &here, &scores))
 }
 
 /// A response, the ways in which it may change, and the steps that count.
@@ -107,32 +115,55 @@ impl On<'_> {
         self.likely(&beside).iter().zip(here).map(|(there, here)| (there - here) / DIFFERENCE).collect()
     }
 
+    /// Fits a block as a whole and its best subsets; of all, the mixture's evidence, and the response of the most evident.
+    fn whole_or_part(&self, block: &'static str, of: &[usize], at_zero: &[f64], scores: &[Vec<f64>]) -> Fitted {
+        let mut best = self.block(block, of, at_zero, scores);
+        let mut evidences = vec![best.evidence_nats];
+        let mut chosen: Vec<usize> = Vec::new();
+        let mut ln_subsets = 0.0;
+        for k in 0..SUBSET.min(of.len().saturating_sub(1)) {
+            let left = of.iter().filter(|i| !chosen.contains(i));
+            let with = |i: &usize| [&chosen[..], &[*i]].concat();
+            let tried = left.map(|i| (linear_evidence(&with(i), scores), *i));
+            let Some((evidence, next)) = tried.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+            chosen.push(next);
+            ln_subsets += ln((of.len() - k) as f64 / (k + 1) as f64);
+            if evidence - ln_subsets < f64::max(SPEAKS, best.evidence_nats - NEAR) {
+                evidences.push(evidence - ln_subsets);
+                continue;
+            }
+            let fitted = self.block(block, &chosen, at_zero, scores);
+            let fitted = Fitted { evidence_nats: fitted.evidence_nats - ln_subsets, ..fitted };
+            evidences.push(fitted.evidence_nats);
+            if fitted.evidence_nats > best.evidence_nats {
+                best = fitted;
+            }
+        }
+        let most = evidences.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mean = evidences.iter().map(|it| exp(it - most)).sum::<f64>() / evidences.len() as f64;
+        Fitted { evidence_nats: if most.is_finite() { most + ln(mean) } else { most }, ..best }
+    }
+
     /// Fits the block of some of the directions by Newton's method.
-    fn block(
-        &self,
-        block: &'static str,
-        range: std::ops::Range<usize>,
-        at_zero: &[f64],
-        scores: &[Vec<f64>],
-    ) -> Fitted {
+    fn block(&self, block: &'static str, of: &[usize], at_zero: &[f64], scores: &[Vec<f64>]) -> Fitted {
         let mut b = vec![0.0; self.directions.len()];
         let mut terms = at_zero.to_vec();
-        let mut of_block: Vec<Vec<f64>> = scores[range.clone()].to_vec();
+        let mut of_block: Vec<Vec<f64>> = of.iter().map(|i| scores[*i].clone()).collect();
         let mut evidence_nats = f64::NEG_INFINITY;
         for iteration in 0..ITERATIONS {
             if iteration > 0 {
-                of_block = range.clone().map(|i| self.score(&b, &terms, i)).collect();
+                of_block = of.iter().map(|i| self.score(&b, &terms, *i)).collect();
             }
             let Some(curvature) = Curvature::new(&of_block, PRIOR_PRECISION) else { break };
-            let slope: Vec<f64> = of_block.iter().zip(&b[range.clone()]).map(|(score, b)| sum(score) - b).collect();
+            let slope: Vec<f64> = of_block.iter().zip(of).map(|(score, i)| sum(score) - b[*i]).collect();
             let step = curvature.step(&slope);
             let objective = |terms: &[f64], b: &[f64]| sum(terms) - 0.5 * b.iter().fold(0.0, |sum, b| sum + b * b);
             let here = objective(&terms, &b);
             // Logarithms of noise are far from quadratic: longer steps may help.
             let better = climb(here, &[2.0, 4.0], |share| {
                 let mut there = b.clone();
-                for (b, step) in there[range.clone()].iter_mut().zip(&step) {
-                    *b += share * step;
+                for (i, step) in of.iter().zip(&step) {
+                    there[*i] += share * step;
                 }
                 let terms = self.likely(&there);
                 (objective(&terms, &there), (there, terms))
@@ -149,6 +180,15 @@ impl On<'_> {
         }
         Fitted { block, evidence_nats, numbers: self.at(&b) }
     }
+}
+
+/// The evidence of some directions, were the log-likelihood quadratic; none where it is not finite.
+fn linear_evidence(of: &[usize], scores: &[Vec<f64>]) -> f64 {
+    let of: Vec<Vec<f64>> = of.iter().map(|i| scores[*i].clone()).collect();
+    let Some(curvature) = Curvature::new(&of, PRIOR_PRECISION) else { return f64::NEG_INFINITY };
+    let slope: Vec<f64> = of.iter().map(|score| sum(score)).collect();
+    let step = curvature.step(&slope);
+    0.5 * slope.iter().zip(&step).fold(0.0, |sum, (a, b)| sum + a * b) - 0.5 * curvature.ln_determinant()
 }
 
 fn sum(terms: &[f64]) -> f64 {

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use asami_dataset::{Channel, Log, Seed, Sighting, Size};
 use asami_gap::answer::experiment::{Course, best, promise};
 use asami_gap::answer::how_far::misfit;
+use asami_gap::blocks;
 use asami_gap::library::{Budget, play};
 use asami_gap::race::Pace;
 use asami_gap::shape::Numbers;
@@ -168,6 +169,22 @@ fn many_false_sightings_speak_for_nothing_besides() {
         }
         let found = weigh(&*judge, std::slice::from_ref(&truth.variant), &[], CLOSE).remove(0).best.size;
         assert!((found / share).ln().abs() < 3.0 / events.sqrt(), "seed {seed}: {found}");
+    }
+}
+
+/// An effect of one direction shows in its block nearly as clearly as by its name: what no direction asks for is not paid.
+#[test]
+fn a_block_pays_for_the_directions_that_it_needs() {
+    for seed in 200..206 {
+        let truth = planted("height_bias", 1.0, 0.3);
+        let log = log(std::slice::from_ref(&truth), seed);
+        let judge = library().judge(&log).unwrap();
+        let named = weigh(&*judge, std::slice::from_ref(&truth.variant), &[], CLOSE).remove(0).evidence_nats;
+        let blocks = blocks::fit(&*judge, &judge.numbers(&[]), &|_| true);
+        let sensor = blocks.iter().find(|it| it.block == "sensor").expect("tried").evidence_nats;
+        // One kind of subset in four and one direction of a dozen cost 4 nats, and a prior that is wider than that of the size
+        // as many; all directions together would cost 58.
+        assert!(sensor > named - 12.0 && sensor < named + 4.0, "seed {seed}: {named} {sensor}");
     }
 }
 
