@@ -46,8 +46,6 @@ pub fn fit(judge: &dyn Judge, numbers: &[f64], of: &dyn Fn(usize) -> bool) -> Ve
     let each: Vec<Vec<Direction>> = BLOCKS[..5].iter().map(|block| judge.directions(numbers, block)).collect();
     let all = each.concat();
     let on = On { judges: &[judge], numbers, directions: &all, of };
-    let here = on.likely(&vec![0.0; all.len()]);
-    let scores: Vec<Vec<f64>> = (0..all.len()).map(|i| on.score(&vec![0.0; all.len()], &here, i)).collect();
     let mut start = 0;
     let mut members: Vec<Vec<usize>> = Vec::new();
     for directions in &each {
@@ -55,31 +53,29 @@ pub fn fit(judge: &dyn Judge, numbers: &[f64], of: &dyn Fn(usize) -> bool) -> Ve
         start += directions.len();
     }
     members.push((0..all.len()).collect());
-    BLOCKS.into_iter().zip(members).map(|(block, of)| on.whole_or_part(block, &of, &here, &scores)).collect()
+    on.scored(|_, here, scores| {
+        BLOCKS.into_iter().zip(members).map(|(block, of)| on.whole_or_part(block, &of, here, scores)).collect()
+    })
 }
 
-/// The response from `numbers` that makes several logs of one world most likely, as far as one block may change it, in those
-/// of its directions that change `free` numbers alone; `numbers` themselves where nothing is gained that its freedom is worth.
+/// The response from `numbers` that makes several logs of one world most likely, as far as one block may change it, or a part of
+/// it, in those of its directions that change `free` numbers alone; `numbers` themselves where nothing is gained that its freedom
+/// is worth.
 #[must_use]
 pub fn polished(judges: &[&dyn Judge], numbers: &[f64], block: &'static str, free: &dyn Fn(usize) -> bool) -> Vec<f64> {
-    let fitted = fitted(judges, numbers, block, free);
-    fitted.filter(|it| it.evidence_nats > 0.0).map_or_else(|| numbers.to_vec(), |it| it.numbers)
-}
-
-/// The same, whatever its freedom is worth.
-#[must_use]
-pub fn likeliest(judges: &[&dyn Judge], numbers: &[f64], block: &'static str) -> Vec<f64> {
-    fitted(judges, numbers, block, &|_| true).map_or_else(|| numbers.to_vec(), |it| it.numbers)
-}
-
-fn fitted(judges: &[&dyn Judge], numbers: &[f64], block: &'static str, free: &dyn Fn(usize) -> bool) -> Option<Fitted> {
-    let mut directions = judges.first()?.directions(numbers, block);
+    let mut directions = judges.first().map_or_else(Vec::new, |judge| judge.directions(numbers, block));
     directions.retain(|direction| direction.iter().enumerate().all(|(i, change)| *change == 0.0 || free(i)));
     let on = On { judges, numbers, directions: &directions, of: &|_| true };
-    let none = vec![0.0; directions.len()];
-    let here = on.likely(&none);
-    let scores: Vec<Vec<f64>> = (0..directions.len()).map(|i| on.score(&none, &here, i)).collect();
-    Some(on.block(block, &(0..directions.len()).collect::<Vec<_>>(), &here, &scores))
+    let fitted = on.scored(|all, here, scores| on.whole_or_part(block, all, here, scores));
+    if fitted.evidence_nats > 0.0 { fitted.numbers } else { numbers.to_vec() }
+}
+
+/// The same of a whole block, whatever its freedom is worth.
+#[must_use]
+pub fn likeliest(judges: &[&dyn Judge], numbers: &[f64], block: &'static str) -> Vec<f64> {
+    let directions = judges.first().map_or_else(Vec::new, |judge| judge.directions(numbers, block));
+    let on = On { judges, numbers, directions: &directions, of: &|_| true };
+    on.scored(|all, here, scores| on.block(block, all, here, scores)).numbers
 }
 
 /// A response, the ways in which it may change, and the steps that count.
@@ -106,6 +102,14 @@ impl On<'_> {
         let numbers = self.at(b);
         let all: Vec<Vec<f64>> = self.judges.par_iter().map(|judge| judge.terms(&numbers)).collect();
         all.concat().into_iter().enumerate().map(|(i, it)| if (self.of)(i) { it } else { 0.0 }).collect()
+    }
+
+    /// What comes of all directions, with the log-likelihoods and scores where none is taken.
+    fn scored<T>(&self, fit: impl FnOnce(&[usize], &[f64], &[Vec<f64>]) -> T) -> T {
+        let none = vec![0.0; self.directions.len()];
+        let here = self.likely(&none);
+        let scores: Vec<Vec<f64>> = (0..none.len()).map(|i| self.score(&none, &here, i)).collect();
+        fit(&(0..none.len()).collect::<Vec<_>>(), &here, &scores)
     }
 
     /// Derivatives of the steps' log-likelihoods along a direction.

@@ -87,6 +87,9 @@ fn no_effect_is_evident_in_nominal_logs() {
             // reaches it in 220 such tests.
             assert!(weighed.evidence_nats < 9.0, "seed {seed}: {weighed:?}");
         }
+        for block in blocks::fit(&*judge, &judge.numbers(&[]), &|_| true) {
+            assert!(block.evidence_nats < 9.0, "seed {seed}: {} {}", block.block, block.evidence_nats);
+        }
     }
 }
 
