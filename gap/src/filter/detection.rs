@@ -17,7 +17,7 @@ pub enum Counts {
     Not,
     /// It lies two standard deviations of the pose away from any edge.
     Clear,
-    /// It lies that far, and [`WELL_OUTSIDE_RAD`], outside of the image.
+    /// It lies that far and 0.4 rad outside of the image.
     Beyond,
 }
 
