@@ -132,16 +132,15 @@ impl On<'_> {
             let Some((evidence, next)) = tried.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
             chosen.push(next);
             ln_subsets += ln((of.len() - k) as f64 / (k + 1) as f64);
-            if evidence - ln_subsets < f64::max(SPEAKS, best.evidence_nats - NEAR) {
-                evidences.push(evidence - ln_subsets);
-                continue;
+            let mut evidence_nats = evidence - ln_subsets;
+            if evidence_nats >= f64::max(SPEAKS, best.evidence_nats - NEAR) {
+                let fitted = self.block(block, &chosen, at_zero, scores);
+                evidence_nats = fitted.evidence_nats - ln_subsets;
+                if evidence_nats > best.evidence_nats {
+                    best = Fitted { evidence_nats, ..fitted };
+                }
             }
-            let fitted = self.block(block, &chosen, at_zero, scores);
-            let fitted = Fitted { evidence_nats: fitted.evidence_nats - ln_subsets, ..fitted };
-            evidences.push(fitted.evidence_nats);
-            if fitted.evidence_nats > best.evidence_nats {
-                best = fitted;
-            }
+            evidences.push(evidence_nats);
         }
         let most = evidences.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let mean = evidences.iter().map(|it| exp(it - most)).sum::<f64>() / evidences.len() as f64;
@@ -188,9 +187,9 @@ impl On<'_> {
 
 /// The evidence of some directions, were the log-likelihood quadratic; none where it is not finite.
 fn linear_evidence(of: &[usize], scores: &[Vec<f64>]) -> f64 {
-    let of: Vec<Vec<f64>> = of.iter().map(|i| scores[*i].clone()).collect();
+    let of: Vec<&Vec<f64>> = of.iter().map(|i| &scores[*i]).collect();
     let Some(curvature) = Curvature::new(&of, PRIOR_PRECISION) else { return f64::NEG_INFINITY };
-    let slope: Vec<f64> = of.iter().map(|score| sum(score)).collect();
+    let slope: Vec<f64> = of.iter().copied().map(|score| sum(score)).collect();
     let step = curvature.step(&slope);
     0.5 * slope.iter().zip(&step).fold(0.0, |sum, (a, b)| sum + a * b) - 0.5 * curvature.ln_determinant()
 }

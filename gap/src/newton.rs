@@ -14,13 +14,14 @@ impl Curvature {
     /// Of scores, a row for each direction and in it a number for each step, and a Gaussian prior of this precision; `None`
     /// where they are not finite.
     #[must_use]
-    pub fn new(scores: &[Vec<f64>], precision: f64) -> Option<Self> {
+    pub fn new(scores: &[impl AsRef<[f64]>], precision: f64) -> Option<Self> {
         let p = scores.len();
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
         let mut curvature = vec![vec![0.0; p]; p];
         for i in 0..p {
             for j in 0..=i {
-                curvature[i][j] = product(&scores[i], &scores[j]) + if i == j { precision } else { 0.0 };
+                curvature[i][j] =
+                    product(scores[i].as_ref(), scores[j].as_ref()) + if i == j { precision } else { 0.0 };
                 curvature[j][i] = curvature[i][j];
             }
         }

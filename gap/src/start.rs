@@ -1,7 +1,6 @@
 //! Where a robot is when a log begins: of several places around one of the first landmarks that are reported, the likeliest.
 
 use std::f64::consts::TAU;
-use std::ops::Range;
 
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, exp, ln, sin_cos};
@@ -40,7 +39,12 @@ impl Start {
         let anywhere = Self { begin: 0, belief: ring(0.0, [0.0; 2], 1.0, 0.0, true) };
         let Some(first) = view.steps.iter().position(|step| !step.seen.is_empty()) else { return anywhere };
         let seen = view.steps[first].seen.start;
-        let last = first + view.steps[first..].iter().take_while(|step| !tell(view, seen..step.seen.end)).count();
+        let mut of_each = vec![0; view.landmarks.len()];
+        let before = view.steps[first..].iter().take_while(|step| {
+            view.seen[step.seen.clone()].iter().for_each(|seen| of_each[seen.landmark] += 1);
+            !tell(&of_each)
+        });
+        let last = first + before.count();
         let walk = Walk { shape, numbers, memory: Memory::default(), view, counted: UNCOUNTED };
         let mut best: Option<(f64, Self)> = None;
         // What is seen before a start was of something else.
@@ -61,14 +65,11 @@ impl Start {
     }
 }
 
-/// Whether sightings tell starts apart, or are enough to try.
-fn tell(view: &View, sightings: Range<usize>) -> bool {
-    if sightings.len() < TRIED || sightings.len() >= TRIED_AT_MOST || view.landmarks.len() == 1 {
-        return sightings.len() >= TRIED;
-    }
-    let mut of = vec![0; view.landmarks.len()];
-    view.seen[sightings.clone()].iter().for_each(|seen| of[seen.landmark] += 1);
-    sightings.len() - of.into_iter().max().unwrap_or(0) >= OF_OTHERS
+/// Whether so many sightings of each landmark tell starts apart, or are enough to try.
+fn tell(of_each: &[usize]) -> bool {
+    let all: usize = of_each.iter().sum();
+    let most = of_each.iter().copied().max().unwrap_or(0);
+    all >= TRIED && (of_each.len() == 1 || all - most >= OF_OTHERS || all >= TRIED_AT_MOST)
 }
 
 /// How likely a sighting of something else is.

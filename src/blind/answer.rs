@@ -6,7 +6,7 @@ use asami_gap::{Likelihood, Planted, Variant};
 use serde::{Deserialize, Serialize};
 
 use super::next::Next;
-use super::referee::{Effect, Reference, stands_for};
+use super::referee::{Effect, HALF_SD, Reference, stands_for};
 
 /// The word for no cause.
 pub const NONE: &str = "none";
@@ -109,7 +109,7 @@ impl Key<'_> {
             in_set90: !in_set.is_empty(),
             set_size,
             place_right: cause.and_then(|cause| self.place_right(cause)),
-            parameter_error: estimate.map(|(off, _)| off * (2.0 * self.shown()).sqrt() / 0.67),
+            parameter_error: estimate.map(|(off, _)| off * (2.0 * self.shown()).sqrt() / HALF_SD),
             parameter_error_cr: estimate.and_then(|(off, _)| Some(off / self.reference.least_error?)),
             parameter_covered: estimate.map(|(_, covered)| covered),
             closed_claimed: diagnosis.how_far.closed,

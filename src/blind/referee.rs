@@ -15,7 +15,8 @@ const GRID: usize = 5;
 const REFINED: usize = 3;
 /// Effects whose predictions part by less than this, at the sizes found, are one group.
 const SPLIT_NATS: f64 = 3.0;
-
+/// Half of all errors are smaller than so many standard deviations.
+pub const HALF_SD: f64 = 0.67;
 /// The information about a size is taken from sizes that are larger and smaller by so much of its logarithm.
 const STEP: f64 = 0.1;
 
@@ -134,8 +135,9 @@ pub fn judge_unlisted(likelihood: &dyn Likelihood, unlisted: &[Unlisted]) -> Ref
     }
 }
 
-/// 0.67 standard deviations of a size by the bound of Cramer (1946) and Rao (1945), over the size: its information is what parts
-/// predictions under sizes to both sides.
+/// [`HALF_SD`] standard deviations of a size by the bound of Cramer (1946) and Rao (1945), over the size: its information is what parts
+/// predictions under sizes to both sides. `None` where it is more than the size: a delay within one step of a simulation is no
+/// other delay.
 fn least_error(likelihood: &dyn Likelihood, planted: &[Planted]) -> Option<f64> {
     let [of] = planted else { return None };
     let (least, greatest) = of.variant.sizes();
@@ -143,7 +145,8 @@ fn least_error(likelihood: &dyn Likelihood, planted: &[Planted]) -> Option<f64> 
     let [below, above] = [-STEP, STEP].map(beside);
     let apart = (above.size - below.size) / of.size;
     let nats = likelihood.apart(&[below], &[above]);
-    (nats > 0.0).then(|| 0.67 * apart / (2.0 * nats).sqrt())
+    let error = HALF_SD * apart / (2.0 * nats).sqrt();
+    (error < 1.0).then_some(error)
 }
 
 /// The best score without the `i`-th effect: of two, the other one is free to be of any size.

@@ -40,6 +40,10 @@ fn a_share_is_known_as_well_as_so_many_frames_count_it() {
         // The slope of a curve at a size for that between sizes a tenth to both sides, or at the end of the law to one.
         assert!((found / expected - 1.0).abs() < 0.06, "{share}: {found} {expected}");
     }
+    // No frame at all says nothing.
+    assert_eq!(judge(&Misses(0.0), &[of("missed_sightings", 0.1)], &variants, &asked).least_error, None);
+    // Nor do so few that the share may as well be twice what it is.
+    assert_eq!(judge(&Misses(3.0), &[of("missed_sightings", 0.1)], &variants, &asked).least_error, None);
     let both = [of("missed_sightings", 0.1), of("command_scale", 0.1)];
     assert_eq!(judge(&Misses(n), &both, &variants, &asked).least_error, None);
 }

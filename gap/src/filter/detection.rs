@@ -96,8 +96,13 @@ impl Ready<'_> {
             if counts != Counts::Not && !seen {
                 log_likelihood += ln(missed);
             }
-            if H::EXPECTS && counts == Counts::Clear {
-                expected -= missed * ln(missed) + itself * ln(itself);
+            if H::EXPECTS {
+                expected -= match counts {
+                    Counts::Clear => missed * ln(missed) + itself * ln(itself),
+                    // Nominally nothing is ever seen there.
+                    Counts::Beyond => ln(missed),
+                    Counts::Not => 0.0,
+                };
             }
         }
         (log_likelihood, expected)

@@ -258,15 +258,13 @@ pub fn detection(shape: &Shape, runs: &[Run], numbers: &mut [f64]) {
         }
     }
     // What is known of each bin, with misses that are as much likelier or rarer everywhere.
-    let known = |numbers: &[f64]| numbers[of.clone()].iter().map(|it| 1.0 / (1.0 + exp(-*it))).collect::<Vec<f64>>();
-    let known = known(numbers);
-    let sum =
-        |of: &dyn Fn(&[f64; 2], f64) -> f64| counts.iter().zip(&known).map(|(it, share)| of(it, *share)).sum::<f64>();
-    let seen = sum(&|[_, seen], _| *seen);
-    let expected = sum(&|[missed, seen], share| (missed + seen) * share);
-    let ratio = if expected > 0.0 { seen / expected } else { 1.0 };
-    for (([missed, seen], known), number) in counts.iter().zip(&known).zip(&mut numbers[of.clone()]) {
-        let prior = PRIOR_SIGHTINGS * (known * ratio).min(1.0);
+    let known: Vec<f64> = numbers[of.clone()].iter().map(|it| 1.0 / (1.0 + exp(-*it))).collect();
+    let sums = counts.iter().zip(&known).fold([0.0; 2], |[of_seen, of_expected], ([missed, seen], share)| {
+        [of_seen + seen, of_expected + (missed + seen) * share]
+    });
+    let ratio = if sums[1] > 0.0 { sums[0] / sums[1] } else { 1.0 };
+    for (([missed, seen], share), number) in counts.into_iter().zip(known).zip(&mut numbers[of]) {
+        let prior = PRIOR_SIGHTINGS * (share * ratio).min(1.0);
         let share = ((seen + prior) / (seen + missed + PRIOR_SIGHTINGS)).clamp(LEAST_SEEN, 1.0 - LEAST_SEEN);
         *number = logit(share);
     }

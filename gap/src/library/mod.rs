@@ -50,7 +50,7 @@ impl Budget {
         } else if robot == "plain" {
             Self { nominal_runs: 64, runs: 16, sizes: 6, ..Self::default() }
         } else if robot == "aibo" {
-            // Rapier takes 3.3 s of a core for 150 s: with 41 kinds, 18 minutes of one.
+            // Rapier takes 3.3 s of a core for 150 s: with 41 kinds at four sizes and more, 20 minutes of one.
             Self { runs: 2, ..Self::default() }
         } else if robot == "create" {
             // Rapier takes 0.35 s of a core for 150 s of two wheels.
