@@ -6,7 +6,7 @@ use asami_dataset::{Channel, Log, Seed, Sighting, Size};
 use asami_gap::answer::experiment::{Course, best, promise};
 use asami_gap::answer::how_far::misfit;
 use asami_gap::blocks;
-use asami_gap::library::{Budget, play};
+use asami_gap::library::{Budget, Entry, play};
 use asami_gap::race::Pace;
 use asami_gap::shape::Numbers;
 use asami_gap::touch::Touch;
@@ -152,6 +152,30 @@ fn shares_and_noise_between_sizes_that_were_played_are_found_on_average() {
         // Three standard errors of the logs, and as much of a library that has 6 runs at each size.
         assert!(mean.abs() < 3.0 * sd * (1.0 / 16.0 + 1.0 / 6.0_f64).sqrt(), "{name}: {mean} of {sd}");
     }
+}
+
+/// A robot knows worse than the truth how far off the image's middle it sees a landmark: a lens' effect that is learned from the
+/// truth alone appears a fifth smaller than it is.
+#[test]
+fn a_lens_is_found_as_large_as_it_is() {
+    let all = Variant::all("plain", 4, &[]);
+    let variant = all.into_iter().find(|it| it.about.name == "lens_distortion" && it.sign > 0.0).unwrap();
+    let (runs, logs) = (8, 32);
+    let budget = Budget { nominal_runs: 0, runs, sizes: 4, run_s: 120.0 };
+    let entry = Entry::learn(&world::Plain::default(), &library().base, &variant, &budget).unwrap();
+    let library = Library { entries: vec![entry], ..library().clone() };
+    let (least, greatest) = variant.sizes();
+    let size = (greatest / least).powf(0.75) * least;
+    let off = |seed: u64| {
+        let log = log(&[Planted { variant: variant.clone(), size }], 400 + seed);
+        let judge = library.judge(&log).unwrap();
+        (weigh(&*judge, std::slice::from_ref(&variant), &[], CLOSE).remove(0).best.size / size).ln()
+    };
+    let offs: Vec<f64> = (0..logs).map(off).collect();
+    let (runs, logs) = (runs as f64, logs as f64);
+    let mean = offs.iter().sum::<f64>() / logs;
+    let sd = (offs.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / (logs - 1.0)).sqrt();
+    assert!(mean.abs() < 3.0 * sd * (1.0 / logs + 1.0 / runs).sqrt(), "{mean} of {sd}");
 }
 
 /// Whatever is taken for a landmark that is far outside of the image bends no curve there: an effect of motion, of timing or of

@@ -40,7 +40,7 @@ pub trait Effect: Declared {
 /// A step of the pipeline that an effect inserts; closed, because these are the pipeline's places.
 pub enum Stage {
     /// Between the logged command and what the gait attempts; called once a control tick with the
-    /// tick's time, of a car once a step of the engine with the step's.
+    /// tick's time, of a car once a step of the engine with the step's, of a plain robot at many moments of each step.
     Command(CommandStage),
     /// On the servos' set-points in radians, once a control tick.
     Joint(JointStage),

@@ -1,11 +1,12 @@
 //! What one kind of effect changes of the nominal response, by its size.
 
 use asami_dataset::{Dataset, Seed};
-use asami_math::elementary::ln;
+use asami_math::elementary::{exp, ln};
 use asami_sim::effect::{Block, Place};
 use asami_sim::effects::catalogue;
 use serde::{Deserialize, Serialize};
 
+use super::gauge::gauge;
 use super::{Base, Budget, FIRST_SEED, play};
 use crate::fit::{Free, changed};
 use crate::nominal::{CannotPlay, Nominal};
@@ -25,6 +26,8 @@ pub struct Entry {
     changes: Vec<Vec<f64>>,
     /// How changes run from size to size.
     run: Run,
+    /// Logarithm of the size that logs are likeliest at over the one that was played, for each of the sizes.
+    appears: Vec<f64>,
 }
 
 /// How changes of means run over sizes.
@@ -71,9 +74,10 @@ impl Entry {
             let change = with.iter().zip(&base.fitted).map(|(with, without)| with - without).collect();
             base.played(change, runs, Touch::of(variant))
         };
-        let runs = runs.iter().map(|(_, runs)| runs.as_slice());
-        let changes = responses.into_iter().zip(runs).map(change).collect();
-        Self { kind: variant.name(), sizes, changes, run: run(variant) }
+        let runs: Vec<&[Dataset]> = runs.iter().map(|(_, runs)| runs.as_slice()).collect();
+        let changes = responses.into_iter().zip(runs.iter().copied()).map(change).collect();
+        let entry = Self { kind: variant.name(), sizes, changes, run: run(variant), appears: Vec::new() };
+        Self { appears: gauge(base, &entry, &runs), ..entry }
     }
 
     /// Whether the effect is one of noise.
@@ -87,8 +91,16 @@ impl Entry {
         self.changes.iter_mut().for_each(|change| change[numbers.clone()].fill(0.0));
     }
 
+    /// The size as which one appears, between those that were played and as the nearest of them beyond.
+    fn appearing(&self, size: f64) -> f64 {
+        let (Some(least), Some(greatest)) = (self.sizes.first(), self.sizes.last()) else { return size };
+        let weights = straight(&self.sizes, size.clamp(*least, *greatest), ln);
+        size * exp(weights.iter().zip(&self.appears).fold(0.0, |sum, (weight, ln_ratio)| sum + weight * ln_ratio))
+    }
+
     /// Adds the change at a size to `numbers`.
     pub fn add(&self, shape: &Shape, size: f64, numbers: &mut [f64]) {
+        let size = self.appearing(size);
         let n = self.sizes.len();
         let even = || straight(&self.sizes, size, |size| size);
         // Curves of sensing are learned size by size: between sizes they are what they are there.

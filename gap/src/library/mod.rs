@@ -3,6 +3,7 @@
 
 mod base;
 mod entry;
+mod gauge;
 
 use asami_dataset::{Dataset, Log, Seed};
 use asami_sim::effect::Block;

@@ -20,6 +20,8 @@ use crate::world::{Record, World};
 /// Share of its speed, for each unit of the slope's sine, at which the robot slides downhill. The walking Aibo, tried in
 /// Rapier on slopes of 1.4 and 5.7 degrees, has 0.8 along its stride and 3 across.
 const SLIDE: f64 = 2.0;
+/// A step is so many times as long as what tells when within it a command takes effect.
+const MOMENTS: u32 = 50;
 
 /// The plain robot in its world.
 pub struct PlainWorld {
@@ -139,6 +141,27 @@ impl PlainWorld {
         self.velocities.of(id, attempt, &knobs.motors)
     }
 
+    /// The mean velocity over the step that begins at `t_s`, in which what reaches the robot may change.
+    fn mean_velocity(&mut self, t_s: f64, action: Action, knobs: &Knobs) -> Velocity {
+        if self.command_stages.is_empty() {
+            return self.velocity(action, knobs);
+        }
+        let mut in_force: Vec<(Action, u32)> = Vec::with_capacity(2);
+        for moment in 0..MOMENTS {
+            let at_s = t_s + self.config.motion.time_step_s * f64::from(moment) / f64::from(MOMENTS);
+            let action = self.command_stages.iter_mut().fold(action, |action, stage| stage(at_s, action));
+            match in_force.last_mut() {
+                Some((last, moments)) if *last == action => *moments += 1,
+                _ => in_force.push((action, 1)),
+            }
+        }
+        in_force.into_iter().fold([0.0; 3], |mean, (action, moments)| {
+            let velocity = self.velocity(action, knobs);
+            let share = f64::from(moments) / f64::from(MOMENTS);
+            std::array::from_fn(|i| mean[i] + share * velocity[i])
+        })
+    }
+
     /// A velocity on a slope: with every step the robot slides downhill.
     fn on_slope(&self, mut velocity: Velocity, slope: [f64; 2]) -> Velocity {
         if slope == [0.0; 2] {
@@ -212,9 +235,9 @@ impl World for PlainWorld {
         if self.steps == 0 {
             self.look(record);
         }
-        let action = self.command_stages.iter_mut().fold(action, |action, stage| stage(t_s, action));
         let knobs = self.knobs(t_s);
-        let velocity = self.on_slope(self.velocity(action, &knobs), knobs.ground.slope);
+        let velocity = self.mean_velocity(t_s, action, &knobs);
+        let velocity = self.on_slope(velocity, knobs.ground.slope);
         self.step(velocity);
         self.look(record);
     }

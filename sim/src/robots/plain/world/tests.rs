@@ -4,6 +4,8 @@ use asami_dataset::{Dataset, Sighting};
 
 use super::*;
 use crate::drives::explore::{Explore, Exploring};
+use crate::effects::command_delay::CommandDelay;
+use crate::robots::plain::config::{Distortion, Motion};
 use crate::scenes::field::Landmark;
 use crate::scenes::field::{Colour, Cylinder};
 use crate::world::run;
@@ -219,4 +221,27 @@ fn a_robot_that_attempts_nothing_only_trembles() {
     (config.motion.right_sd_m, config.motion.forward_sd_m, config.motion.turn_sd_rad) = (0.0, 0.0, 0.0);
     let dataset = run(&mut world(&config, &Effects::default(), 1000), &mut crate::drives::hold::Hold(still), 10.0);
     assert!(dataset.truth.track.iter().all(|pose| (pose.x_m, pose.y_m, pose.theta_rad) == (0.0, 0.0, 0.0)));
+}
+
+/// A delay is no whole number of steps: without noise the robot is behind by as much of its way as the delay tells.
+#[test]
+fn a_late_command_costs_the_way_of_its_delay() {
+    let config = PlainConfig {
+        motion: Motion { right_sd_m: 0.0, forward_sd_m: 0.0, turn_sd_rad: 0.0, ..Motion::default() },
+        distortion: Distortion { leak_sd: 0.0, bias_sd: 0.0, irregular_sd: 0.0, ..Distortion::default() },
+        ..PlainConfig::default()
+    };
+    let forward = Action::Legs { id: None, ax_m_per_s: 0.0, ay_m_per_s: 0.3, atheta_rad_per_s: 0.0 };
+    let ahead_m = |delay_s| {
+        let effects = Effects { command_delay: Some(CommandDelay { delay_s }), ..Effects::default() };
+        let mut world = world(&config, &effects, 1000);
+        let mut record = Record::default();
+        (0..40).for_each(|_| world.tick(forward, &mut record));
+        world.pose().y_m
+    };
+    let speed_m_per_s = ahead_m(0.0) / 2.0;
+    for delay_s in [0.013, 0.05, 0.087, 0.2, 0.421] {
+        let behind_s = 2.0 - ahead_m(delay_s) / speed_m_per_s;
+        assert!((behind_s - delay_s).abs() < 1e-9, "{behind_s} s behind, not {delay_s}");
+    }
 }
