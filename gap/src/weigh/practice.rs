@@ -15,13 +15,13 @@ use crate::weigh::evidence::Weighed;
 use crate::weigh::findings::{Findings, absorbed_nats};
 use crate::weigh::groups::SPLIT_NATS;
 
-/// Share of cases with nothing planted.
-const NOTHING: f64 = 0.3;
-/// Share of cases with two effects.
-const TWO: f64 = 0.2;
+/// Share of cases with nothing planted, as in a blind check.
+pub const NONE_SHARE: f64 = 0.34;
+/// Share of cases with one effect; the rest has two.
+pub const ONE_SHARE: f64 = 0.5;
 
 /// How [`draw`] draws, in words.
-pub const LAW: &str = "none 30 %, one effect 50 %, two 20 %, each effect as likely; sizes log-uniform as `list effects` \
+pub const LAW: &str = "none 34 %, one effect 50 %, two 16 %, each effect as likely; sizes log-uniform as `list effects` \
                        shows, from half a decade below what a log of 150 s shows";
 
 /// A planted case.
@@ -51,7 +51,7 @@ pub fn draw(robot: &str, landmarks: usize, without: &[String], rng: &mut Rng) ->
     };
     let mut effects: Vec<&'static About> = catalogue().into_iter().filter(fits).collect();
     let share: f64 = rng.random();
-    let number = usize::from(share >= NOTHING) + usize::from(share >= 1.0 - TWO);
+    let number = usize::from(share >= NONE_SHARE) + usize::from(share >= NONE_SHARE + ONE_SHARE);
     let mut planted = Vec::with_capacity(number);
     for _ in 0..number.min(effects.len()) {
         let about = effects.swap_remove(rng.random_range(0..effects.len()));
