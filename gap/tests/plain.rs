@@ -134,6 +134,27 @@ fn what_acts_on_sensing_leaves_the_way_as_it_is() {
     assert!(motions > 4, "{motions} change the way");
 }
 
+/// Where a single landmark stands is where a robot believes itself to be from it: nothing speaks for another place, however far.
+#[test]
+fn a_single_landmark_that_stands_elsewhere_leaves_no_trace() {
+    let mut world = world::Plain::default();
+    world.field.beacons.truncate(1);
+    let kinds: Vec<Variant> =
+        Variant::all("plain", 1, &[]).into_iter().filter(|it| it.about.name == "landmark_moved").collect();
+    let budget = Budget { nominal_runs: 16, runs: 3, sizes: 3, run_s: 120.0 };
+    let library = Library::learn(&world, &kinds, &budget).unwrap();
+    for seed in 0..4 {
+        for size in [0.0, 0.8] {
+            let moved = Planted { variant: kinds[0].clone(), size };
+            let planted = if size > 0.0 { vec![moved] } else { Vec::new() };
+            let log = play(&world, &planted, Seed(1000 + seed), 120.0).unwrap().log;
+            let judge = library.judge(&log).unwrap();
+            let found = weigh(&*judge, &kinds, &[], CLOSE).remove(0);
+            assert!(found.evidence_nats.abs() < 1e-9, "seed {seed}, {size} m: {found:?}");
+        }
+    }
+}
+
 /// Halfway between two sizes that were played, by ratio, where a straight line in the logarithm would be off by a tenth;
 /// over logs, sizes scatter about the truth, and their mean by the less.
 #[test]

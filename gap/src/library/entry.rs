@@ -50,6 +50,9 @@ impl Entry {
     /// If the world cannot be played.
     pub fn learn(nominal: &dyn Nominal, base: &Base, variant: &Variant, budget: &Budget) -> Result<Self, CannotPlay> {
         let sizes = spaced(variant, budget.sizes_of(variant));
+        if !shows(&base.shape, variant) {
+            return Ok(Self::nothing(base, variant, sizes));
+        }
         let mut runs: Vec<(f64, Vec<Dataset>)> = Vec::with_capacity(sizes.len());
         for size in sizes {
             let planted = [Planted { variant: variant.clone(), size }];
@@ -58,6 +61,12 @@ impl Entry {
             runs.push((size, of_size?));
         }
         Ok(Self::of(base, variant, runs))
+    }
+
+    /// What is never seen changes nothing.
+    fn nothing(base: &Base, variant: &Variant, sizes: Vec<f64>) -> Self {
+        let (changes, appears) = (vec![vec![0.0; base.shape.len()]; sizes.len()], vec![0.0; sizes.len()]);
+        Self { kind: variant.name(), sizes, changes, run: run(variant), appears }
     }
 
     /// What one kind of effect changes, as runs at several sizes, increasing, show it.
@@ -130,6 +139,12 @@ impl Entry {
             }
         }
     }
+}
+
+/// Whether logs show such an effect at all: a robot that knows where it is by a single landmark cannot tell that the landmark
+/// stands elsewhere.
+fn shows(shape: &Shape, variant: &Variant) -> bool {
+    shape.landmarks > 1 || variant.place() != Place::Scene
 }
 
 /// How an effect's changes run over its sizes: delays cross from one age to the next, and what sensing does is seen so
