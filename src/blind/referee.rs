@@ -135,9 +135,8 @@ pub fn judge_unlisted(likelihood: &dyn Likelihood, unlisted: &[Unlisted]) -> Ref
     }
 }
 
-/// [`HALF_SD`] standard deviations of a size by the bound of Cramer (1946) and Rao (1945), over the size: its information is what parts
-/// predictions under sizes to both sides. `None` where it is more than the size: a delay within one step of a simulation is no
-/// other delay.
+/// [`HALF_SD`] standard deviations of a size by the bound of Cramer (1946) and Rao (1945), over the size: its information is what
+/// parts predictions under sizes to both sides. `None` where it is more than the size.
 fn least_error(likelihood: &dyn Likelihood, planted: &[Planted]) -> Option<f64> {
     let [of] = planted else { return None };
     let (least, greatest) = of.variant.sizes();

@@ -99,7 +99,7 @@ impl Shelf<'_> {
             let base = self.base(&folder, || Base::learn(nominal, budget))?;
             let learn = |variant: &Variant| Entry::learn(nominal, &base, variant, budget);
             let entries = self.entries(&places, &learn)?;
-            Responses::Landmarks(Box::new(Library { base, entries, aside: None, astray: Vec::new() }))
+            Responses::Landmarks(Box::new(Library::new(base, entries)))
         };
         Ok(Shelved { library, variants: variants.to_vec(), folder, mark })
     }

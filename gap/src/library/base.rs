@@ -78,7 +78,7 @@ impl Base {
         of: &[&'static str],
         free: &dyn Fn(usize) -> bool,
     ) -> Vec<f64> {
-        let alone = Library { base: self.clone(), entries: Vec::new(), aside: None, astray: Vec::new() };
+        let alone = Library::new(self.clone(), Vec::new());
         let judges: Vec<Sighted<'_>> =
             runs.iter().take(POLISHED).filter_map(|run| Sighted::new(&run.log, &alone).ok()).collect();
         let judges: Vec<&dyn Judge> = judges.iter().map(|judge| judge as &dyn Judge).collect();
@@ -124,7 +124,7 @@ impl Base {
 
     /// How far the nominal logs' innovations scatter, once sways are taken into account.
     fn spread(&self, runs: &[Dataset]) -> [f64; 2] {
-        let alone = Library { base: self.clone(), entries: Vec::new(), aside: None, astray: Vec::new() };
+        let alone = Library::new(self.clone(), Vec::new());
         let (mut squares, mut n) = ([0.0; 2], 0.0);
         for judge in runs.iter().filter_map(|run| Sighted::new(&run.log, &alone).ok()) {
             for it in judge.filtered(&self.numbers).innovations.iter().filter(|it| it.genuine > 0.5) {

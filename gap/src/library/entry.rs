@@ -22,7 +22,7 @@ pub struct Entry {
     pub kind: String,
     /// Sizes played, increasing.
     pub sizes: Vec<f64>,
-    /// Changes of the nominal numbers at these sizes.
+    /// Changes of the nominal numbers at these sizes; none of an effect that no log shows.
     changes: Vec<Vec<f64>>,
     /// How changes run from size to size.
     run: Run,
@@ -51,7 +51,13 @@ impl Entry {
     pub fn learn(nominal: &dyn Nominal, base: &Base, variant: &Variant, budget: &Budget) -> Result<Self, CannotPlay> {
         let sizes = spaced(variant, budget.sizes_of(variant));
         if !shows(&base.shape, variant) {
-            return Ok(Self::nothing(base, variant, sizes));
+            return Ok(Self {
+                kind: variant.name(),
+                sizes,
+                changes: Vec::new(),
+                run: run(variant),
+                appears: Vec::new(),
+            });
         }
         let mut runs: Vec<(f64, Vec<Dataset>)> = Vec::with_capacity(sizes.len());
         for size in sizes {
@@ -61,12 +67,6 @@ impl Entry {
             runs.push((size, of_size?));
         }
         Ok(Self::of(base, variant, runs))
-    }
-
-    /// What is never seen changes nothing.
-    fn nothing(base: &Base, variant: &Variant, sizes: Vec<f64>) -> Self {
-        let (changes, appears) = (vec![vec![0.0; base.shape.len()]; sizes.len()], vec![0.0; sizes.len()]);
-        Self { kind: variant.name(), sizes, changes, run: run(variant), appears }
     }
 
     /// What one kind of effect changes, as runs at several sizes, increasing, show it.

@@ -21,7 +21,7 @@ const NEAR_ENOUGH: f64 = 0.01;
 
 /// The logarithm of the size that logs are likeliest at over the one that was played, for each of an entry's sizes.
 pub fn gauge(base: &Base, entry: &Entry, runs: &[&[Dataset]]) -> Vec<f64> {
-    let library = Library { base: base.clone(), entries: Vec::new(), aside: None, astray: Vec::new() };
+    let library = Library::new(base.clone(), Vec::new());
     let played = |(size, runs): (&f64, &&[Dataset])| -> Vec<Played<'_>> {
         let logs = runs.iter().filter_map(|run| Sighted::new(&run.log, &library).ok());
         logs.map(|log| Played::new(base, entry, *size, log)).collect()

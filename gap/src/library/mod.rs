@@ -154,6 +154,12 @@ pub fn play(nominal: &dyn Nominal, planted: &[Planted], seed: Seed, until_s: f64
 }
 
 impl Library {
+    /// Of a nominal response and kinds of effects.
+    #[must_use]
+    pub fn new(base: Base, entries: Vec<Entry>) -> Self {
+        Self { base, entries, aside: None, astray: Vec::new() }
+    }
+
     /// Plays and learns all of it.
     ///
     /// # Errors
@@ -162,7 +168,7 @@ impl Library {
         let base = Base::learn(nominal, budget)?;
         let learn = |variant: &Variant| Entry::learn(nominal, &base, variant, budget);
         let entries: Result<Vec<Entry>, CannotPlay> = variants.par_iter().map(learn).collect();
-        Ok(Self { entries: entries?, base, aside: None, astray: Vec::new() })
+        Ok(Self::new(base, entries?))
     }
 
     /// The entry of a kind of effect.
