@@ -2,10 +2,12 @@
 
 use std::sync::atomic::Ordering;
 
+use asami::blind::draw::Mix;
 use asami::blind::walk::run;
 use asami::blind::withhold::withhold;
 use asami::blind::{Planting, rows};
 use asami::sweep::Silent;
+use asami_gap::weigh::practice::{NONE_SHARE, ONE_SHARE};
 
 use crate::{ASKED, blind, options, stand_ins};
 
@@ -68,4 +70,11 @@ fn cases_of_a_folder_are_scored_like_drawn_ones_and_keys_are_opened_last() {
     let more = blind(&text.replace("salt = \"1000\"", &from).replace("cases = 8", "cases = 9"));
     let error = run(&more, &contest, &out, &Silent).expect_err("too few").to_string();
     assert!(error.contains("holds 8 cases, of which 9 are asked for"), "{error}");
+}
+
+/// Probabilities that are learned from cases of another mix would be off by the difference.
+#[test]
+fn diagnosers_learn_from_cases_of_the_mix_that_they_are_asked_of() {
+    let mix = Mix::default();
+    assert_eq!((mix.none_share, mix.one_share), (NONE_SHARE, ONE_SHARE));
 }

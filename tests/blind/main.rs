@@ -9,7 +9,6 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use asami::blind::answer::{Answer, Key};
-use asami::blind::draw::Mix;
 use asami::blind::referee::{Effect, Reference};
 use asami::blind::scenario::{Blind, Measure, parse, read};
 use asami::blind::tally::{Asked, Share, asked, confusion, measure, power, reliability};
@@ -19,7 +18,6 @@ use asami::report;
 use asami::scenario::Simulation;
 use asami::sweep::{Options, Silent, Timing};
 use asami_dataset::Log;
-use asami_gap::weigh::practice::{NONE_SHARE, ONE_SHARE};
 use asami_gap::{CannotDiagnose, Diagnoses, Diagnosis, Judges, Likelihood, Planted, Variant};
 
 const PLAIN: &str = include_str!("../../scenarios/plain_2d.toml");
@@ -144,13 +142,6 @@ fn written(out: &Path) -> Vec<(String, Vec<u8>)> {
         .collect();
     files.sort();
     files
-}
-
-/// Probabilities that are learned from cases of another mix would be off by the difference.
-#[test]
-fn diagnosers_learn_from_cases_of_the_mix_that_they_are_asked_of() {
-    let mix = Mix::default();
-    assert_eq!((mix.none_share, mix.one_share), (NONE_SHARE, ONE_SHARE));
 }
 
 #[test]
