@@ -23,23 +23,23 @@ pub struct Entry {
     /// Sizes played, increasing.
     pub sizes: Vec<f64>,
     /// Changes of the nominal numbers at these sizes; none of an effect that no log shows.
-    changes: Vec<Vec<f64>>,
+    pub(super) changes: Vec<Vec<f64>>,
     /// How changes run from size to size.
-    run: Run,
+    pub(super) run: Run,
     /// Logarithm of the size that logs are likeliest at over the one that was played, for each of the sizes.
-    appears: Vec<f64>,
+    pub(super) appears: Vec<f64>,
 }
 
 /// How changes of means run over sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-enum Run {
+pub(super) enum Run {
     /// All on one polynomial of third degree through 0.
     Polynomial,
     /// On parabolas through the nearest sizes.
     Parabolas,
     /// In straight lines.
     Straight,
-    /// Not at all: what scatters more lies where it lay. Noise and shares run on curves in the size's logarithm.
+    /// As noise and shares do, on curves in the size's logarithm.
     Logarithms,
 }
 
@@ -86,6 +86,8 @@ impl Entry {
         let runs: Vec<&[Dataset]> = runs.iter().map(|(_, runs)| runs.as_slice()).collect();
         let changes = responses.into_iter().zip(runs.iter().copied()).map(change).collect();
         let entry = Self { kind: variant.name(), sizes, changes, run: run(variant), appears: Vec::new() };
+        // Where sizes were polished one by one, they need not lie on one polynomial any more.
+        let entry = if smooth && base.memory.sways() { entry.settled(base, &runs) } else { entry };
         Self { appears: gauge(base, &entry, &runs), ..entry }
     }
 
@@ -112,6 +114,8 @@ impl Entry {
         let size = self.appearing(size);
         let n = self.sizes.len();
         let even = || straight(&self.sizes, size, |size| size);
+        // Log-odds of shares and logarithms of noise go rather with the size's own logarithm.
+        let rest = if self.run == Run::Logarithms { curved } else { straight }(&self.sizes, size, ln);
         // Curves of sensing are learned size by size: between sizes they are what they are there.
         let (motion, sensing) = match self.run {
             Run::Polynomial => (through(&self.sizes, n.saturating_sub(3)..n, size), even()),
@@ -121,10 +125,8 @@ impl Entry {
                 (parabola.clone(), parabola)
             }
             Run::Straight => (even(), even()),
-            Run::Logarithms => (Vec::new(), Vec::new()),
+            Run::Logarithms => (rest.clone(), rest.clone()),
         };
-        // Log-odds of shares and logarithms of noise go rather with the size's own logarithm.
-        let rest = if self.run == Run::Logarithms { curved } else { straight }(&self.sizes, size, ln);
         for group in ORDER {
             let weights = match group {
                 Numbers::Motion => &motion,

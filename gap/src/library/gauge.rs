@@ -6,7 +6,6 @@ use asami_math::elementary::exp;
 use asami_math::optimise::golden_section;
 
 use super::{Base, Entry, Library};
-use crate::judge::Judge;
 use crate::sighted::Sighted;
 
 /// Nats by which one log can speak for a size, so that a robot that a filter lost does not decide.
@@ -58,14 +57,16 @@ impl<'a> Played<'a> {
     }
 
     fn log_likelihood(&self, ln_ratio: f64) -> f64 {
-        let mut numbers = self.base.numbers.clone();
-        self.entry.add(&self.base.shape, self.size * exp(ln_ratio), &mut numbers);
-        self.log.terms(&numbers).into_iter().fold(0.0, |sum, it| sum + it)
+        self.entry.log_likelihood(self.base, self.size * exp(ln_ratio), &self.log)
     }
 
     /// What it gains if it appears as another size; never more than its voice.
     fn gain(&self, ln_ratio: f64) -> f64 {
-        let nats = self.log_likelihood(ln_ratio) - self.known;
-        nats / (1.0 + nats.abs() / VOICE)
+        voiced(self.log_likelihood(ln_ratio) - self.known)
     }
+}
+
+/// What one log says, never more than its voice.
+pub fn voiced(nats: f64) -> f64 {
+    nats / (1.0 + nats.abs() / VOICE)
 }

@@ -2,6 +2,7 @@
 //! effect changes that, by its size.
 
 mod base;
+mod between;
 mod entry;
 mod gauge;
 
