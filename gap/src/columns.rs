@@ -15,8 +15,10 @@ use serde::{Deserialize, Serialize};
 const AGES_S: [f64; 9] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7, 1.0];
 /// A change of command is answered within about so long, sooner or later by where in its stride it meets a gait.
 const ANSWERS_S: f64 = 0.7;
-/// Knots of the curve over a velocity that takes any value.
+/// Knots of the curve over a velocity that takes any value are at least so many, and more where runs call for them.
 const KNOTS: usize = 13;
+/// Each time twice as many intervals, at most so often.
+const FINER: usize = 2;
 /// Speeds, in shares of the greatest, between which the answer to a bearing runs straight.
 const SPEED_KNOTS: [f64; 4] = [0.0, 0.15, 0.4, 1.0];
 /// Ages of bearings between which they are averaged, in seconds: about a stride, for from frame to frame the body sways, and
@@ -37,6 +39,8 @@ pub struct Columns {
     ids: Vec<u16>,
     /// Greatest attempted velocities; 0 where one is never attempted.
     greatest: Attempt,
+    /// Knots of the curve over each velocity.
+    knots: usize,
     /// Nominal velocity of each of the curve's columns, in shares of the axis's greatest; none as long as it is not known.
     nominal: Vec<[f64; 3]>,
     /// Whether a heading shows: there is more than one landmark.
@@ -77,7 +81,14 @@ impl Columns {
             }
         }
         let ids = if any { Vec::new() } else { ids.into_iter().collect() };
-        Self { ids, greatest, nominal: Vec::new(), heading: landmarks > 1 }
+        Self { ids, greatest, knots: KNOTS, nominal: Vec::new(), heading: landmarks > 1 }
+    }
+
+    /// The same and ones whose curves have knots between those, from the coarsest on.
+    #[must_use]
+    pub fn finer(&self) -> Vec<Self> {
+        let times = if self.ids.is_empty() { FINER } else { 0 };
+        (0..=times).map(|n| Self { knots: (KNOTS - 1) * (1 << n) + 1, ..self.clone() }).collect()
     }
 
     /// The same with the nominal velocities known, of which `numbers` hold a curve for each axis: what lingers, and what
@@ -97,7 +108,7 @@ impl Columns {
     pub fn width(&self, group: Group) -> usize {
         let varying = self.greatest.iter().filter(|greatest| **greatest > 0.0).count();
         match group {
-            Group::Curve if self.ids.is_empty() => varying * KNOTS + varying * varying.saturating_sub(1) / 2,
+            Group::Curve if self.ids.is_empty() => varying * self.knots + varying * varying.saturating_sub(1) / 2,
             Group::Curve => self.ids.len(),
             Group::Lingering => 3 * (AGES_S.len() - 1),
             Group::Heading => 4,
@@ -113,6 +124,21 @@ impl Columns {
         let order = [Group::Curve, Group::Lingering, Group::Heading, Group::Held, Group::Wear];
         let start = order.iter().take_while(|it| **it != group).map(|it| self.width(*it)).sum::<usize>();
         start..start + self.width(group)
+    }
+
+    /// The curve as coarsely as effects bend it: what each of its parts is made of, columns with their shares.
+    #[must_use]
+    pub fn bends(&self) -> Vec<Vec<(usize, f64)>> {
+        let curve = self.range(Group::Curve);
+        let every = (self.knots - 1) / (KNOTS - 1);
+        let curves = if self.ids.is_empty() { self.greatest.iter().filter(|it| **it > 0.0).count() } else { 0 };
+        let hats = (0..curves * KNOTS).map(|hat| {
+            let (start, at) = (curve.start + hat / KNOTS * self.knots, hat % KNOTS * every);
+            let near = at.saturating_sub(every - 1)..(at + every).min(self.knots);
+            near.map(|knot| (start + knot, 1.0 - knot.abs_diff(at) as f64 / every as f64)).collect()
+        });
+        let rest = curve.start + curves * self.knots..curve.end;
+        hats.chain(rest.map(|column| vec![(column, 1.0)])).collect()
     }
 
     /// How many columns there are.
@@ -225,14 +251,14 @@ impl Columns {
             return;
         }
         let varying: Vec<f64> = (0..3).filter(|i| self.greatest[*i] > 0.0).map(|i| u[i]).collect();
-        for (u, hats) in varying.iter().zip(columns.chunks_exact_mut(KNOTS)) {
-            let at = (u.clamp(-1.0, 1.0) + 1.0) * 0.5 * (KNOTS - 1) as f64;
-            let knot = (at.floor() as usize).min(KNOTS - 2);
+        for (u, hats) in varying.iter().zip(columns.chunks_exact_mut(self.knots)) {
+            let at = (u.clamp(-1.0, 1.0) + 1.0) * 0.5 * (self.knots - 1) as f64;
+            let knot = (at.floor() as usize).min(self.knots - 2);
             hats[knot] += share * (knot as f64 + 1.0 - at);
             hats[knot + 1] += share * (at - knot as f64);
         }
         let pairs = (0..varying.len()).flat_map(|i| (i + 1..varying.len()).map(move |j| (i, j)));
-        for ((i, j), column) in pairs.zip(&mut columns[varying.len() * KNOTS..]) {
+        for ((i, j), column) in pairs.zip(&mut columns[varying.len() * self.knots..]) {
             *column += share * varying[i] * varying[j];
         }
     }

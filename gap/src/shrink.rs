@@ -80,6 +80,13 @@ impl Sums {
         })
     }
 
+    /// Squares of what `b` leaves unexplained.
+    #[must_use]
+    pub fn left(&self, b: &[f64]) -> f64 {
+        let explained = b.iter().zip(&self.right).zip(self.score(b));
+        explained.fold(self.squares, |left, ((b, right), score)| left - b * (right + score))
+    }
+
     /// Right side less the normal matrix times `b`.
     fn score(&self, b: &[f64]) -> Vec<f64> {
         let at = |i: usize, j: usize| self.normal[i.max(j)][i.min(j)];
@@ -229,6 +236,18 @@ mod tests {
             assert!((combined.right[i] - direct.right[i]).abs() < 1e-12);
             (0..=i).for_each(|j| assert!((combined.normal[i][j] - direct.normal[i][j]).abs() < 1e-12));
         }
+    }
+
+    #[test]
+    fn what_is_left_unexplained_is_what_the_rows_themselves_leave() {
+        let mut rng = Seed(3).stream("shrink/test");
+        let (mut sums, b, mut left) = (Sums::new(2), [0.7, -0.2], 0.0);
+        for _ in 0..50 {
+            let (x, y): ([f64; 2], f64) = (std::array::from_fn(|_| normal(&mut rng)), normal(&mut rng));
+            sums.add(&x, y, 0.5);
+            left += 0.5 * (y - x[0] * b[0] - x[1] * b[1]).powi(2);
+        }
+        assert!((sums.left(&b) - left).abs() < 1e-12, "{} {left}", sums.left(&b));
     }
 
     #[test]

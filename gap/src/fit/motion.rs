@@ -15,6 +15,9 @@ const PRIOR_MOTION: [f64; 3] = [0.3, 0.3, 2.0];
 /// Noise of a class of speed counts at least this share of the greatest: standing still is not measured endlessly well.
 const LEAST_SHARE: f64 = 0.01;
 
+/// Steps are weighed by the noise that was found so often.
+const REWEIGHTED: usize = 2;
+
 /// Columns that a fit may change.
 fn free_columns(columns: &Columns, wear: bool) -> Vec<usize> {
     let fixed = [(Group::Heading, !columns.heading), (Group::Held, columns.heading), (Group::Wear, !wear)];
@@ -43,11 +46,39 @@ fn sums(shape: &Shape, run: &Run, of: &[usize], numbers: &[f64], variances: Vari
     sums
 }
 
-/// Ridge regression of the nominal world's displacements on the columns.
+/// How badly a ridge regression of the other runs foretells each run's displacements: logarithms of mean squares, of all axes.
+pub fn unforeseen(shape: &Shape, runs: &[Run]) -> f64 {
+    let of = free_columns(&shape.columns, false);
+    let nothing = vec![0.0; shape.len()];
+    let all: Vec<[Sums; 3]> = runs.iter().map(|run| sums(shape, run, &of, &nothing, &|_| [1.0; 3])).collect();
+    let left = |axis: usize| {
+        let by_others = all.iter().enumerate().map(|(i, run)| {
+            let others = all.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, run)| run[axis].clone());
+            run[axis].left(&ridged(&others.collect::<Vec<_>>(), PRIOR_MOTION[axis]))
+        });
+        ln(by_others.sum::<f64>().max(1e-300))
+    };
+    (0..3).map(left).sum()
+}
+
+/// Ridge regression of the nominal world's displacements on the columns, and the noise that it leaves.
 pub fn nominal(shape: &Shape, runs: &[Run], numbers: &mut [f64]) {
+    regressed(shape, runs, &|_| [1.0; 3], numbers);
+    noise(shape, runs, false, numbers);
+    // Where commands change there is more noise, and not in proportion to the change: those steps count for less.
+    for _ in 0..REWEIGHTED {
+        let known = numbers.to_vec();
+        regressed(shape, runs, &variances(shape, &known), numbers);
+        noise(shape, runs, false, numbers);
+    }
+}
+
+/// Ridge regression where steps have these variances.
+fn regressed(shape: &Shape, runs: &[Run], variances: Variances, numbers: &mut [f64]) {
     let of = free_columns(&shape.columns, false);
     let width = shape.columns.len();
-    let all: Vec<[Sums; 3]> = runs.iter().map(|run| sums(shape, run, &of, numbers, &|_| [1.0; 3])).collect();
+    let nothing = vec![0.0; numbers.len()];
+    let all: Vec<[Sums; 3]> = runs.iter().map(|run| sums(shape, run, &of, &nothing, variances)).collect();
     for axis in 0..3 {
         let runs: Vec<Sums> = all.iter().map(|run| run[axis].clone()).collect();
         for (column, number) in of.iter().zip(ridged(&runs, PRIOR_MOTION[axis])) {
@@ -114,7 +145,7 @@ fn terms(shape: &Shape, base: &[f64], of: &[usize], axis: usize) -> Vec<(usize, 
         terms.push((group, whole(&|column| unit * base[from * width + column])));
     }
     terms.push((2, whole(&|_| greatest(axis).max(1e-3))));
-    let group = |column: usize| {
+    let group_of = |column: usize| {
         let order = [Group::Curve, Group::Lingering, Group::Heading, Group::Held, Group::Wear];
         let index = order.iter().position(|group| columns.range(*group).contains(&column));
         // What lingers of the axis's own velocity is of another kind than what does of others'.
@@ -123,7 +154,14 @@ fn terms(shape: &Shape, base: &[f64], of: &[usize], axis: usize) -> Vec<(usize, 
             (index, _) => 3 + index,
         }
     };
-    terms.extend(of.iter().enumerate().map(|(i, column)| (group(*column), vec![(i, 1.0)])));
+    let at = |column: usize| of.iter().position(|it| *it == column);
+    let alone = of.iter().filter(|column| !curve.contains(column)).map(|column| vec![(*column, 1.0)]);
+    let single = columns.bends().into_iter().chain(alone).filter_map(|parts| {
+        let first = parts.first()?.0;
+        let parts: Option<Vec<_>> = parts.into_iter().map(|(column, share)| Some((at(column)?, share))).collect();
+        Some((group_of(first), parts?))
+    });
+    terms.extend(single);
     terms
 }
 

@@ -53,7 +53,7 @@ impl Base {
     /// The response that runs of the nominal world show; `None` where no landmark is seen in them.
     #[must_use]
     pub fn of(runs: &[Dataset]) -> Option<Self> {
-        let shape = fit::shape(runs)?;
+        let shape = fit::as_fine_as_shown(fit::shape(runs)?, runs);
         let shape = Shape { columns: shape.columns.knowing(&fit::motion_alone(&shape, runs)), ..shape };
         let rhythm = fit::rhythm(&shape, runs);
         let numbers = fit::nominal(&shape, &rhythm, runs);
