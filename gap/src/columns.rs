@@ -330,6 +330,25 @@ mod tests {
     }
 
     #[test]
+    fn bends_of_a_fine_curve_are_the_hats_of_a_coarse_one() {
+        let coarse = Columns::new([forward(0.0, 0.3)].iter(), 1);
+        for fine in coarse.finer() {
+            for speed_m_per_s in [-0.3, -0.231, -0.05, 0.0, 0.0125, 0.16, 0.3] {
+                let commands = [forward(0.0, speed_m_per_s)];
+                let [hats, knots] = [&coarse, &fine].map(|columns| {
+                    let mut row = vec![0.0; columns.len()];
+                    columns.fill(&commands, 3.0, 3.05, &[], &mut row);
+                    row
+                });
+                for (hat, bend) in hats[coarse.range(Group::Curve)].iter().zip(fine.bends()) {
+                    let made = bend.iter().fold(0.0, |sum, (column, share)| sum + share * knots[*column]);
+                    assert!((made - hat).abs() < 1e-12, "{speed_m_per_s}: {made} {hat}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn what_lingers_of_a_command_moves_through_the_ages() {
         let commands = [forward(0.0, 0.3), forward(5.0, -0.15)];
         let columns = Columns::new(commands.iter(), 1);
