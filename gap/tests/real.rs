@@ -18,8 +18,7 @@ const NAMES: [&str; 4] = ["command_scale", "height_bias", "image_delay", "vision
 const LENGTH_S: f64 = 180.0;
 
 fn variants() -> Vec<Variant> {
-    let all = Variant::all("plain", 4, &[]);
-    all.into_iter().filter(|variant| NAMES.contains(&variant.about.name)).collect()
+    world::kinds(&NAMES)
 }
 
 fn library() -> &'static Library {

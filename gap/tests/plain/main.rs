@@ -21,8 +21,7 @@ const NAMES: [&str; 6] =
     ["command_scale", "false_sightings", "height_bias", "image_delay", "missed_sightings", "vision_noise"];
 
 fn variants() -> Vec<Variant> {
-    let all = Variant::all("plain", 4, &[]);
-    all.into_iter().filter(|variant| NAMES.contains(&variant.about.name)).collect()
+    world::kinds(&NAMES)
 }
 
 fn library() -> &'static Library {

@@ -1,7 +1,7 @@
 //! The dissertation's own simulator (section 4.4.2) as a nominal world: four beacons, 40 actions.
 
 use asami_dataset::{Seed, TruePose};
-use asami_gap::{CannotPlay, Nominal};
+use asami_gap::{CannotPlay, Nominal, Variant};
 use asami_sim::drives::explore::{Explore, Exploring};
 use asami_sim::drives::suite::Suite;
 use asami_sim::effects::Effects;
@@ -9,6 +9,12 @@ use asami_sim::robots::plain::{PlainConfig, PlainWorld};
 use asami_sim::scenes::field::{Colour, Cylinder, Field, Landmark};
 use asami_sim::world::{Drive, World};
 use rand::RngExt;
+
+/// Kinds of the effects of these names before its four beacons.
+pub fn kinds(names: &[&str]) -> Vec<Variant> {
+    let all = Variant::all("plain", 4, &[]);
+    all.into_iter().filter(|variant| names.contains(&variant.about.name)).collect()
+}
 
 /// See the module.
 pub struct Plain {
