@@ -30,6 +30,13 @@ pub const UNCOUNTED: &[Counts] = &[];
 const WELL_OUTSIDE_RAD: f64 = 0.4;
 /// So often, the belief being wrong, a landmark is seen that should lie outside of the image.
 const BEYOND: f64 = 0.002;
+/// How likely sightings are of the landmark that they say is followed as a mean over about so many.
+const LATELY: f64 = 30.0;
+/// Where that mean falls below this a robot is lost: the log is not nominal, and its nominal belief says nothing of where
+/// landmarks should be.
+const LOST: f64 = 0.75;
+/// Where it rises above this, it is found again.
+const FOUND: f64 = 0.9;
 
 /// How likely a landmark is to be seen.
 #[derive(Clone, Copy)]
@@ -39,25 +46,27 @@ pub(super) struct Seeing {
     counts: Counts,
 }
 
-/// Which landmarks' being seen or missed says something.
+/// Which landmarks' being seen or missed says something: none while the nominal filter has lost the robot.
 #[must_use]
 pub fn counted(shape: &Shape, numbers: &[f64], view: &View, begin: usize, belief: &mut Belief) -> Counted {
     let landmarks = view.landmarks.len();
     let mut counted = vec![Counts::Not; view.steps.len() * landmarks];
     let mut ready = Ready::new(shape, numbers, Memory::default());
     let mut state = State::<STEADY>::new(belief, &Memory::default());
+    let mut genuine = 1.0;
     for i in begin..view.steps.len() {
         if view.steps[i].dt_s > 0.0 {
             ready.predict(view, i, &mut state);
         }
         for landmark in 0..landmarks {
-            if view.misses && view.steps[i].looked {
+            if view.misses && view.steps[i].looked && !ready.lost {
                 counted[i * landmarks + landmark] = ready.counts(view, i, landmark, &state.belief());
             }
         }
         for seen in view.steps[i].seen.clone() {
-            ready.update(view, i, seen, &mut state);
+            genuine += (ready.update(view, i, seen, &mut state).1.genuine - genuine) / LATELY;
         }
+        ready.lost = genuine < if ready.lost { FOUND } else { LOST };
     }
     *belief = state.belief();
     counted

@@ -49,6 +49,8 @@ struct Ready<'a> {
     size_columns: Vec<f64>,
     bearing_columns: Vec<f64>,
     memory: Memory,
+    /// Whether the robot may be anywhere near by now.
+    lost: bool,
 }
 
 /// A log under a response.
@@ -110,6 +112,7 @@ impl<'a> Ready<'a> {
             size_columns: vec![0.0; shape.width(Numbers::Size)],
             bearing_columns: vec![0.0; shape.width(Numbers::Bearing)],
             memory,
+            lost: false,
         }
     }
 
@@ -180,7 +183,7 @@ impl<'a> Ready<'a> {
         state.mean[2] = wrap_rad(state.mean[2]);
         let step = &view.steps[i];
         let [class, changing] = [speed_class(step.attempt), CHANGING].map(|it| &self.variances[3 * it..3 * it + 3]);
-        let anywhere = if step.astray { ASTRAY } else { [0.0; 3] };
+        let anywhere = if step.astray || self.lost { ASTRAY } else { [0.0; 3] };
         let q = Vector3::from_fn(|axis, _| step.dt_s * (class[axis] + step.changing * changing[axis] + anywhere[axis]));
         let q = rotation * Matrix3::from_diagonal(&q) * rotation.transpose();
         let gap = view.steps[i].dt_s > GAP * self.memory.frame_s;

@@ -117,7 +117,7 @@ pub fn remembered(shape: &Shape, rhythm: &Rhythm, numbers: &[f64], runs: &[Datas
 pub fn changed(
     shape: &Shape,
     (rhythm, base): (&Rhythm, &[f64]),
-    runs: &[(f64, Vec<Dataset>)],
+    runs: &[(f64, &[Dataset])],
     free: Free,
     touch: Touch,
     smooth: bool,

@@ -59,22 +59,29 @@ impl Entry {
                 appears: Vec::new(),
             });
         }
-        let mut runs: Vec<(f64, Vec<Dataset>)> = Vec::with_capacity(sizes.len());
-        for size in sizes {
+        let played = |size: f64| -> Result<(f64, Vec<Dataset>), CannotPlay> {
             let planted = [Planted { variant: variant.clone(), size }];
-            let of_size: Result<Vec<Dataset>, CannotPlay> =
-                (0..budget.runs).map(|i| play(nominal, &planted, Seed(FIRST_SEED + i), budget.run_s)).collect();
-            runs.push((size, of_size?));
+            let runs = (0..budget.runs).map(|i| play(nominal, &planted, Seed(FIRST_SEED + i), budget.run_s));
+            Ok((size, runs.collect::<Result<_, _>>()?))
+        };
+        let mut runs: Vec<(f64, Vec<Dataset>)> = sizes.into_iter().map(played).collect::<Result<_, _>>()?;
+        let entry = Self::of(base, variant, &runs);
+        let between = entry.sizes_between(base, &runs);
+        if between.is_empty() {
+            return Ok(entry);
         }
-        Ok(Self::of(base, variant, runs))
+        let more: Vec<(f64, Vec<Dataset>)> = between.into_iter().map(played).collect::<Result<_, _>>()?;
+        runs.extend(more);
+        runs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(Self::of(base, variant, &runs))
     }
 
     /// What one kind of effect changes, as runs at several sizes, increasing, show it.
     #[must_use]
-    pub fn of(base: &Base, variant: &Variant, mut runs: Vec<(f64, Vec<Dataset>)>) -> Self {
+    pub fn of(base: &Base, variant: &Variant, runs: &[(f64, Vec<Dataset>)]) -> Self {
         let sizes: Vec<f64> = runs.iter().map(|(size, _)| *size).collect();
         let greatest = sizes.last().copied().unwrap_or(1.0);
-        runs.iter_mut().for_each(|(size, _)| *size /= greatest);
+        let runs: Vec<(f64, &[Dataset])> = runs.iter().map(|(size, runs)| (size / greatest, runs.as_slice())).collect();
         let free = Free { wear: variant.block() == Block::Drift };
         let nominal = (&base.rhythm, base.fitted.as_slice());
         let smooth = run(variant) == Run::Polynomial;
@@ -83,7 +90,7 @@ impl Entry {
             let change = with.iter().zip(&base.fitted).map(|(with, without)| with - without).collect();
             base.played(change, runs, Touch::of(variant))
         };
-        let runs: Vec<&[Dataset]> = runs.iter().map(|(_, runs)| runs.as_slice()).collect();
+        let runs: Vec<&[Dataset]> = runs.into_iter().map(|(_, runs)| runs).collect();
         let changes = responses.into_iter().zip(runs.iter().copied()).map(change).collect();
         let entry = Self { kind: variant.name(), sizes, changes, run: run(variant), appears: Vec::new() };
         // Where sizes were polished one by one, they need not lie on one polynomial any more.

@@ -29,7 +29,7 @@ pub struct Budget {
     /// Runs with each kind of effect at each size.
     pub runs: u64,
     /// Sizes of each kind of effect, log-spaced from its least to its greatest; of delays twice as many, and half as many more of
-    /// noise and shares.
+    /// noise and shares. Where one is foretold badly by those next to it, there are more between them.
     pub sizes: usize,
     /// Length of a run in seconds.
     pub run_s: f64,

@@ -138,11 +138,46 @@ pub fn weigh(judge: &dyn Judge, variants: &[Variant], with: &[Planted], look: Lo
 const PROMISES_NOTHING_NATS: f64 = 0.02;
 /// At most so often.
 const MOST_PARABOLAS: usize = 8;
+/// A point beside the peak that is higher than it by so much, in nats, is climbed from again.
+const STILL_CLIMBS_NATS: f64 = 0.5;
+/// At most so often.
+const MOST_CLIMBS: usize = 3;
 /// Flanks, in standard deviations: from here on there is nothing left to integrate.
 const FLANKS: [f64; 6] = [-4.0, -2.5, -1.5, 1.5, 2.5, 4.0];
 
-/// Finds the peak, by parabolas through the three best points about it (Brent 1973, chapter 5), and its flanks.
+/// Finds the peak and its flanks.
 fn refine(kind: &mut Tried, gain: &impl Fn(&Variant, f64) -> f64) {
+    let (Some(&(least, _)), Some(&(greatest, _))) = (kind.points.first(), kind.points.last()) else { return };
+    let look = |kind: &mut Tried, at: f64| {
+        let within = (least..=greatest).contains(&at);
+        within.then(|| {
+            let nats = gain(&kind.variant, at);
+            kind.add(at, nats);
+            nats
+        })
+    };
+    let mut flanks = (0.0, 1.0);
+    for _ in 0..MOST_CLIMBS {
+        climb(kind, gain);
+        let (at, peak_nats) = kind.best();
+        let bend = kind.about_the_top().and_then(|about| vertex(&about)).map_or(1.0, |top| top.bend).max(1.0);
+        let h = 1.0 / bend.sqrt();
+        // A parabola through points far apart says little of a narrow peak: these are one standard deviation off it by now.
+        let sides = [at - h, at + h].map(|side| look(kind, side));
+        let falls = sides.into_iter().flatten().filter(|nats| nats.is_finite()).map(|nats| peak_nats - nats);
+        flanks = (at, falls.fold(0.0, |most, fall| f64::max(most, 2.0 * fall / (h * h))).max(1.0));
+        if kind.best().1 - peak_nats < STILL_CLIMBS_NATS {
+            break;
+        }
+    }
+    let (at, bend) = flanks;
+    for share in FLANKS {
+        look(kind, at + share / bend.sqrt());
+    }
+}
+
+/// Looks for the peak by parabolas through the three best points about it (Brent 1973, chapter 5).
+fn climb(kind: &mut Tried, gain: &impl Fn(&Variant, f64) -> f64) {
     let (Some(&(least, _)), Some(&(greatest, _))) = (kind.points.first(), kind.points.last()) else { return };
     for _ in 0..MOST_PARABOLAS {
         let Some(top) = kind.about_the_top().and_then(|about| vertex(&about)) else { break };
@@ -152,24 +187,6 @@ fn refine(kind: &mut Tried, gain: &impl Fn(&Variant, f64) -> f64) {
             break;
         }
         kind.add(at, gain(&kind.variant, at));
-    }
-    let (at, peak_nats) = kind.best();
-    let bend = kind.about_the_top().and_then(|about| vertex(&about)).map_or(1.0, |top| top.bend).max(1.0);
-    let h = 1.0 / bend.sqrt();
-    let look = |kind: &mut Tried, at: f64| {
-        let within = (least..=greatest).contains(&at);
-        within.then(|| {
-            let nats = gain(&kind.variant, at);
-            kind.add(at, nats);
-            nats
-        })
-    };
-    // A parabola through points far apart says little of a narrow peak: these are one standard deviation off it by now.
-    let sides = [at - h, at + h].map(|side| look(kind, side));
-    let falls = sides.into_iter().flatten().filter(|nats| nats.is_finite()).map(|nats| peak_nats - nats);
-    let bend = falls.fold(0.0, |most, fall| f64::max(most, 2.0 * fall / (h * h))).max(1.0);
-    for share in FLANKS {
-        look(kind, at + share / bend.sqrt());
     }
 }
 
@@ -254,6 +271,18 @@ mod tests {
                 kind.evidence(),
                 all.evidence()
             );
+        }
+    }
+
+    /// Between the two greatest sizes that are tried first, where a parabola through these and one far below has its top beyond
+    /// them.
+    #[test]
+    fn a_narrow_peak_next_to_the_greatest_size_is_climbed() {
+        for (sd, at) in [(0.03, 1.45), (0.05, 1.4), (0.02, 1.35)] {
+            let peak = |x: f64| 0.5 * (1.0 - ((x - at) / sd).powi(2)) / (sd * sd) * 0.1;
+            let mut kind = tried((0..8).map(|i| -1.5 + 3.0 * f64::from(i) / 7.0).map(|x| (x, peak(x))).collect());
+            refine(&mut kind, &|_, x| peak(x));
+            assert!((kind.best().1 - peak(at)).abs() < 0.5, "{sd} {at}: {:?} {}", kind.best(), peak(at));
         }
     }
 

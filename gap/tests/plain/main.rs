@@ -78,6 +78,19 @@ fn nobody_is_lost_who_sees_only_one_landmark_for_long() {
     }
 }
 
+/// An effect may lead the nominal filter so far astray that it says nothing of where landmarks should be: to see, or miss, them
+/// costs the true cause no more than elsewhere.
+#[test]
+fn a_robot_that_is_lost_nominally_is_not_lost_under_the_truth() {
+    let truth = [planted("height_bias", -1.0, 3.0)];
+    for seed in 0..24 {
+        let with = log(&truth, 300 + seed);
+        let without = Log { frames: None, ..with.clone() };
+        let [with, without] = [with, without].map(|log| library().judge(&log).unwrap().log_likelihood(&truth));
+        assert!(with - without > -400.0, "seed {seed}: {with} with what was missed, {without} without");
+    }
+}
+
 #[test]
 fn no_effect_is_evident_in_nominal_logs() {
     for seed in 0..6 {

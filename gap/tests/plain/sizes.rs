@@ -92,7 +92,7 @@ fn changes_run_between_sizes_as_the_sizes_left_out_tell() {
             (0..4_u64).map(run).collect::<Vec<_>>()
         });
         let alone = |(label, runs): (&f64, &Vec<Dataset>)| {
-            let entry = Entry::of(&library().base, &variant, vec![(*label, runs.clone())]);
+            let entry = Entry::of(&library().base, &variant, &[(*label, runs.clone())]);
             serde_json::to_value(entry).unwrap()
         };
         let alone: Vec<serde_json::Value> = labels.iter().zip(&runs).map(alone).collect();
