@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use asami_dataset::Log;
-use asami_gap::answer::calibration::Calibration;
+use asami_gap::answer::calibration::{Calibration, less};
 use asami_gap::answer::experiment::Courses;
 use asami_gap::answer::rivals::{AllAtOnce, ForwardSelection};
 use asami_gap::weigh::practice::Case;
@@ -15,7 +15,7 @@ use super::scenario::{Asked, Blind};
 use super::walk::Contest;
 use crate::diagnose::courses::Played;
 use crate::diagnose::progress::Listener;
-use crate::diagnose::shelf::{CannotShelve, Shelf, Shelved, less};
+use crate::diagnose::shelf::{CannotShelve, Shelf, Shelved};
 use crate::scenario::Simulation;
 
 /// All that take part in a blind sweep.
@@ -58,8 +58,7 @@ impl Field {
             return known.clone();
         }
         // Nobody waits meanwhile: two that learn the same learn it alike.
-        let left = less(&self.cases, without);
-        let learned = if left.is_empty() { Calibration::default() } else { Calibration::learn(&left) };
+        let learned = Calibration::of(&less(&self.cases, without));
         kept().insert(without.to_vec(), learned.clone());
         learned
     }

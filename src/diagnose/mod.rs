@@ -15,7 +15,7 @@ pub mod words;
 use std::path::{Path, PathBuf};
 
 use asami_dataset::Log;
-use asami_gap::answer::calibration::Calibration;
+use asami_gap::answer::calibration::{Calibration, Left, less};
 use asami_gap::answer::diagnose::Diagnoser;
 use asami_gap::answer::diagnosis::CalibratedOn;
 use asami_gap::library::Responses;
@@ -25,7 +25,6 @@ use asami_gap::real::scanner::{self, Found};
 use asami_gap::view::CannotSee;
 use asami_gap::weigh::causes::Evidence;
 use asami_gap::weigh::findings::Findings;
-use asami_gap::weigh::practice::Case;
 use asami_gap::weigh::practice::LAW;
 use asami_gap::{Budget, Diagnosis, Nominal, Responds, Variant};
 use asami_sim::effects::catalogue;
@@ -39,7 +38,7 @@ use limits::{Limited, ShowsNothing};
 use nominal::{Held, NoNominal};
 use progress::Listener;
 use repaired::CannotRepair;
-use shelf::{CannotShelve, Shelf, Shelved, less};
+use shelf::{CannotShelve, Shelf, Shelved};
 
 /// Planted cases that probabilities are calibrated on.
 const CASES: usize = 300;
@@ -129,8 +128,8 @@ pub struct Ready {
     pub variants: Vec<Variant>,
     /// Effects that are not.
     pub without: Vec<String>,
-    /// Planted cases.
-    pub cases: Vec<Case>,
+    /// Planted cases, as they are without these.
+    pub cases: Vec<Left>,
     calibration: Calibration,
     /// How the robot may be driven next.
     pub courses: Played,
@@ -168,7 +167,7 @@ impl Ready {
             }
             Calibration::default()
         } else {
-            Calibration::learn(&cases)
+            Calibration::of(&cases)
         };
         let without = asked.without.clone();
         let variants = variants.into_iter().filter(|it| !without.iter().any(|name| name == it.about.name)).collect();

@@ -1,8 +1,7 @@
 //! How often probabilities given to causes were right.
 
-use asami_gap::answer::calibration::Calibration;
+use asami_gap::answer::calibration::{Calibration, Left};
 use asami_gap::weigh::causes::UNKNOWN;
-use asami_gap::weigh::practice::Case;
 
 /// Ends of the bins of probabilities.
 const BINS: [f64; 7] = [0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95];
@@ -13,7 +12,7 @@ const LEAST_CASES: usize = 80;
 
 /// For each bin: mean probability given, share that was true, number of answers. Each half of the cases is judged by the
 /// calibration of the other.
-pub(super) fn curve(cases: &[Case]) -> Vec<[f64; 3]> {
+pub(super) fn curve(cases: &[Left]) -> Vec<[f64; 3]> {
     if cases.len() < LEAST_CASES {
         return Vec::new();
     }
@@ -21,8 +20,8 @@ pub(super) fn curve(cases: &[Case]) -> Vec<[f64; 3]> {
     let halves = cases.split_at(cases.len() / 2);
     let mut bins = [[0.0_f64; 3]; BINS.len()];
     for (known, held) in [halves, (halves.1, halves.0)] {
-        let calibration = Calibration::learn(known);
-        for case in held {
+        let calibration = Calibration::of(known);
+        for Left { case, .. } in held {
             // Which block an unknown cause lies in is another question.
             let truth = case.truth.split('/').next().unwrap_or(UNKNOWN);
             for (cause, probability) in calibration.probabilities(&case.evidence) {
@@ -39,7 +38,9 @@ pub(super) fn curve(cases: &[Case]) -> Vec<[f64; 3]> {
 
 #[cfg(test)]
 mod tests {
+    use asami_gap::answer::calibration::less;
     use asami_gap::weigh::causes::Evidence;
+    use asami_gap::weigh::practice::Case;
 
     use super::*;
 
@@ -58,7 +59,7 @@ mod tests {
                 off_by: None,
             }
         };
-        let curve = curve(&(0..100).map(|i| case(i / 2)).collect::<Vec<_>>());
+        let curve = curve(&less(&(0..100).map(|i| case(i / 2)).collect::<Vec<_>>(), &[]));
         let [claimed, found, n] = curve[curve.len() - 1];
         assert!(claimed > 0.95 && found == 1.0 && n == 100.0, "{curve:?}");
         assert!(curve[0][0] < 0.05 && curve[0][1] == 0.0, "{curve:?}");

@@ -217,16 +217,6 @@ impl Shelved {
     }
 }
 
-/// Cases as they would be without these effects in the list; those with one of them planted stay where it counts as
-/// unknown.
-#[must_use]
-pub fn less(cases: &[Case], without: &[String]) -> Vec<Case> {
-    let of = |cause: &str| cause.split('+').any(|effect| without.iter().any(|it| it == effect));
-    let mut cases: Vec<Case> = cases.iter().filter(|case| !of(&case.truth)).cloned().collect();
-    cases.iter_mut().for_each(|case| case.evidence.retain(|cause, _| !of(cause)));
-    cases
-}
-
 /// Lengths of planted logs: a log's own is rounded to one of these, by ratio.
 const CLASSES_S: [f64; 5] = [60.0, 150.0, 300.0, 600.0, 900.0];
 
@@ -237,7 +227,7 @@ fn class_s(length_s: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use asami_gap::weigh::causes::{Evidence, NONE};
+    use asami_gap::weigh::causes::Evidence;
 
     use super::*;
 
@@ -250,13 +240,6 @@ mod tests {
     #[test]
     fn lengths_are_rounded_by_ratio() {
         assert_eq!([1.0, 90.0, 150.0, 400.0, 5e3].map(class_s), [60.0, 60.0, 150.0, 300.0, 900.0]);
-    }
-
-    #[test]
-    fn effects_out_of_the_list_speak_for_nothing() {
-        let left = less(&[case("a"), case("a+b"), case("b"), case(NONE)], &["a".to_owned()]);
-        assert_eq!(left.iter().map(|case| &*case.truth).collect::<Vec<_>>(), ["b", NONE]);
-        assert!(left.iter().all(|case| case.evidence.keys().eq(["b", "unknown/timing"])), "{left:?}");
     }
 
     #[test]

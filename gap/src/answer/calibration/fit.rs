@@ -3,7 +3,7 @@
 use asami_math::elementary::{exp, ln, ln_1p};
 use asami_math::quasi_newton::lbfgs;
 
-use super::{Calibration, HIDDEN, SEVERAL, SLIP, class, greatest, nats, parts, top_effect, top_single};
+use super::{Calibration, HIDDEN, Left, SEVERAL, SLIP, class, greatest, nats, parts, top_effect, top_single};
 use crate::weigh::causes::{NONE, is_unknown, leader};
 use crate::weigh::practice::Case;
 
@@ -27,7 +27,7 @@ const OWN_SD: f64 = 1.0;
 const BLOCK_NATS: f64 = 10.0;
 
 /// The least penalised log-loss.
-pub(super) fn fit(cases: &[&Case]) -> Calibration {
+pub(super) fn fit(cases: &[&Left]) -> Calibration {
     let causes = causes(cases);
     let mut start = vec![0.0; GLOBALS + 2 * causes.len()];
     (start[1], start[3]) = (FADE_LN, ERROR_LN);
@@ -36,8 +36,8 @@ pub(super) fn fit(cases: &[&Case]) -> Calibration {
 }
 
 /// All that numbers are learned for.
-fn causes(cases: &[&Case]) -> Vec<String> {
-    let classes = cases.iter().flat_map(|case| case.evidence.keys()).map(|cause| class(cause));
+fn causes(cases: &[&Left]) -> Vec<String> {
+    let classes = cases.iter().flat_map(|left| left.case.evidence.keys()).map(|cause| class(cause));
     let all: std::collections::BTreeSet<&str> = classes.chain([NONE, HIDDEN]).collect();
     all.into_iter().map(str::to_owned).collect()
 }
@@ -65,24 +65,23 @@ fn unit(cause: &str) -> f64 {
     if is_unknown(cause) { BLOCK_NATS } else { 1.0 }
 }
 
-/// How much a case whose cause is in the list counts, and one whose cause is taken out of it: there is one of these for each
-/// case with one effect. As many cases as were planted have a cause at all.
-fn weights(cases: &[&Case]) -> [f64; 2] {
-    let count = |is: fn(&str) -> bool| cases.iter().filter(|case| is(&case.truth)).count() as f64;
-    let (unknown, none) = (count(is_unknown), count(|truth| truth == NONE));
-    let known = cases.len() as f64 - unknown - none;
-    if unknown > 0.0 { [1.0 - SHARE_UNKNOWN, SHARE_UNKNOWN * known / unknown] } else { [1.0, 0.0] }
+/// How much a case counts that was planted with a cause, and one that stands for a cause in nobody's list: there is one of these
+/// for each of the former with one effect. As many cases as were planted have a cause at all.
+fn weights(cases: &[&Left]) -> [f64; 2] {
+    let planted = cases.iter().filter(|left| left.planted && left.case.truth != NONE).count() as f64;
+    let stand_ins = cases.iter().filter(|left| !left.planted).count() as f64;
+    if stand_ins > 0.0 { [1.0 - SHARE_UNKNOWN, SHARE_UNKNOWN * planted / stand_ins] } else { [1.0, 0.0] }
 }
 
 /// The log-loss with its penalties, and its gradient.
-fn loss(cases: &[&Case], calibration: &Calibration, causes: &[String], at: &[f64]) -> (f64, Vec<f64>) {
+fn loss(cases: &[&Left], calibration: &Calibration, causes: &[String], at: &[f64]) -> (f64, Vec<f64>) {
     let (mut loss, mut slope) = (0.0, vec![0.0; at.len()]);
-    let [of_known, of_unknown] = weights(cases);
-    for case in cases {
-        let weight = match case.truth.as_str() {
-            NONE => 1.0,
-            truth if is_unknown(truth) => of_unknown,
-            _ => of_known,
+    let [of_planted, of_stand_in] = weights(cases);
+    for Left { case, planted } in cases {
+        let weight = match planted {
+            true if case.truth == NONE => 1.0,
+            true => of_planted,
+            false => of_stand_in,
         };
         loss += weight * of_case(case, calibration, causes, weight, &mut slope);
     }
@@ -171,13 +170,15 @@ pub fn log_loss(calibration: &Calibration, cases: &[Case]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::less;
     use super::super::tests::with_a_library_that_errs;
     use super::*;
 
     #[test]
     fn the_gradient_is_the_loss_s() {
         let cases = with_a_library_that_errs(60);
-        let cases: Vec<&Case> = cases.iter().collect();
+        let cases = less(&cases, &[]);
+        let cases: Vec<&Left> = cases.iter().collect();
         let causes = causes(&cases);
         let at: Vec<f64> = (0..GLOBALS + 2 * causes.len()).map(|i| [-0.3, 0.4, 0.2, -3.0][i % GLOBALS] * 0.9).collect();
         let value = |at: &[f64]| loss(&cases, &read(&causes, at), &causes, at);

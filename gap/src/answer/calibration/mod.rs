@@ -9,6 +9,7 @@
 //! penalised log-loss, and the set is found by leaving folds out (Vovk 2015).
 
 mod fit;
+mod less;
 
 use std::collections::BTreeMap;
 
@@ -20,6 +21,7 @@ use crate::weigh::causes::{Evidence, NONE, PRIOR_OF_A_SECOND, UNKNOWN, is_single
 use crate::weigh::practice::Case;
 use fit::fit;
 pub use fit::log_loss;
+pub use less::{Left, less};
 
 /// The class of all causes of several effects.
 const SEVERAL: &str = "+";
@@ -59,9 +61,6 @@ const PRIOR_UNKNOWN: f64 = 0.1;
 /// cases would have all evidence distrusted. Its order still says something: the `r`-th most probable cause is then the true
 /// one as `1 / (r (r + 1))`.
 const SLIP: f64 = 0.02;
-/// A cause that is taken out of the list is there, and does not show, in so large a share of the cases that have it: sizes are
-/// drawn from below what is visible.
-const UNSEEN: f64 = 0.4;
 /// Folds of the cross-validation.
 const FOLDS: usize = 5;
 /// Strata of the 90 % set: below, between and above these nats of greatest evidence.
@@ -90,7 +89,16 @@ impl Calibration {
     /// The calibration of these cases.
     #[must_use]
     pub fn learn(cases: &[Case]) -> Self {
-        let all: Vec<&Case> = cases.iter().collect();
+        Self::of(&less(cases, &[]))
+    }
+
+    /// The calibration of cases of which effects were taken out of the list; without any, the evidence as it is.
+    #[must_use]
+    pub fn of(cases: &[Left]) -> Self {
+        if cases.is_empty() {
+            return Self::default();
+        }
+        let all: Vec<&Left> = cases.iter().collect();
         let of = |fold: usize, held: bool| {
             cases.iter().enumerate().filter(move |(i, _)| (i % FOLDS == fold) == held).map(|(_, case)| case)
         };
@@ -101,7 +109,7 @@ impl Calibration {
             .collect();
         let mut scores: [Vec<f64>; 3] = Default::default();
         for (fold, rest) in learned.iter().skip(1).enumerate() {
-            for case in of(fold, true) {
+            for Left { case, .. } in of(fold, true) {
                 let shown = case.shown.as_ref().unwrap_or(&case.truth);
                 let truth = if is_unknown(shown) { UNKNOWN } else { shown };
                 let probability = rest.probabilities(&case.evidence).get(truth).copied().unwrap_or(0.0);
@@ -116,9 +124,9 @@ impl Calibration {
             let rank = ((scores.len() + 1) / 16).max(1) - 1;
             *threshold = scores.get(rank).copied().unwrap_or(0.05);
         }
-        calibration.absorbed_nats = cases.iter().filter_map(|case| case.absorbed_nats).collect();
+        calibration.absorbed_nats = cases.iter().filter_map(|left| left.case.absorbed_nats).collect();
         calibration.absorbed_nats.sort_by(f64::total_cmp);
-        let mut off_by: Vec<f64> = cases.iter().filter_map(|case| case.off_by).collect();
+        let mut off_by: Vec<f64> = cases.iter().filter_map(|left| left.case.off_by).collect();
         off_by.sort_by(f64::total_cmp);
         let nine_in_ten = (off_by.len() * 9).div_ceil(10).checked_sub(1).and_then(|i| off_by.get(i));
         // A handful of sizes says nothing of their scatter.
@@ -141,20 +149,7 @@ impl Calibration {
             let cause = if is_unknown(cause) { UNKNOWN } else { cause };
             *probabilities.entry(cause.to_owned()).or_insert(0.0) += p;
         }
-        let unseen = self.taken_out(evidence) * UNSEEN * (1.0 - PRIOR_NONE - PRIOR_UNKNOWN) / PRIOR_NONE;
-        let more = unseen * probabilities.get(NONE).copied().unwrap_or(0.0);
-        if more > 0.0 {
-            *probabilities.entry(UNKNOWN.to_owned()).or_insert(0.0) += more;
-            probabilities.values_mut().for_each(|p| *p /= 1.0 + more);
-        }
         probabilities
-    }
-
-    /// The share of the causes that were learned from which nobody asks for.
-    fn taken_out(&self, evidence: &Evidence) -> f64 {
-        let learned = || self.beta.keys().filter(|cause| is_single(cause));
-        let gone = learned().filter(|cause| !evidence.contains_key(*cause)).count();
-        gone as f64 / learned().count().max(1) as f64
     }
 
     /// The flexible block in which a cause in nobody's list would lie.
