@@ -1,31 +1,51 @@
 //! How a sighting's noise hangs on the noise before it: a gait sways the camera from frame to frame.
 //!
 //! The noise of sizes, and that of bearings, is a sway that all sightings share, an autoregression of second order (Yule
-//! 1927, Walker 1931), and white noise on top. Both are learned from the nominal world's own logs, whose truth is known,
-//! and then frozen: a sway that is taken for white noise makes false causes out of nothing, and is not noise enough to
-//! follow it where it is slow.
+//! 1927, Walker 1931), and white noise on top; at each pace another, for a gait sways as it steps. All are learned from the
+//! nominal world's own logs and then frozen: a sway that is taken for white noise makes false causes out of nothing, and is
+//! not noise enough to follow it where it is slow; one that is taken for turns and steps makes a robot that wavers.
 
 use asami_math::elementary::{exp, ln, sin_cos};
 use serde::{Deserialize, Serialize};
 
+use crate::columns::Attempt;
+
+/// Paces: standing, and bands of attempted speed, forward or to the side, and backward.
+pub const PACES: usize = 1 + 2 * BANDS;
+/// So many bands.
+const BANDS: usize = 4;
+
+/// At which pace a robot goes that attempts these shares of its greatest velocities.
+#[must_use]
+pub fn pace(attempt: Attempt) -> usize {
+    let speed = attempt.iter().fold(0.0, |most, share| f64::max(most, share.abs()));
+    if speed < 1e-6 {
+        return 0;
+    }
+    let band = ((speed * BANDS as f64 - 1e-9).floor() as usize).min(BANDS - 1);
+    1 + band + if attempt[1] < 0.0 { BANDS } else { 0 }
+}
+
 /// The sways of sizes and of bearings, and how far innovations scatter once they are taken into account.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
-    /// Sizes' and bearings'.
-    pub sways: [Sway; 2],
+    /// Sizes' and bearings', at each pace.
+    pub sways: [[Sway; 2]; PACES],
     /// Standard deviations of whitened innovations: 1 where the filter's own covariance says all.
     pub spread: [f64; 2],
     /// Time from frame to frame, in seconds.
     pub frame_s: f64,
 }
 
-/// A sway: `s_t = p s_(t-1) + q s_(t-2) + e_t`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// A sway: `s_t = p s_(t-1) + q s_(t-2) + e_t`, of variance 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sway {
     /// Its variance, as a share of all noise.
     pub share: f64,
     /// On one and two frames before.
     pub on: [f64; 2],
+    /// Standard deviation of all noise at this pace, in shares of what it is at any.
+    pub scale: f64,
 }
 
 /// Lags, in frames, at which noise is held against itself.
@@ -38,17 +58,30 @@ const LEAST_SHARE: f64 = 0.05;
 /// A sway fades to 1/e in so many frames, from the least to the greatest.
 const FRAMES: [f64; 2] = [0.7, 60.0];
 
+impl Default for Sway {
+    /// White noise.
+    fn default() -> Self {
+        Self { share: 0.0, on: [0.0; 2], scale: 1.0 }
+    }
+}
+
 impl Default for Memory {
     fn default() -> Self {
-        Self { sways: [Sway::default(); 2], spread: [1.0; 2], frame_s: 0.0 }
+        Self { sways: [[Sway::default(); 2]; PACES], spread: [1.0; 2], frame_s: 0.0 }
     }
 }
 
 impl Memory {
+    /// The same sways of sizes and bearings at every pace.
+    #[must_use]
+    pub fn at_any_pace(sways: [Sway; 2], frame_s: f64) -> Self {
+        Self { sways: [sways; PACES], frame_s, ..Self::default() }
+    }
+
     /// Whether anything sways at all.
     #[must_use]
     pub fn sways(&self) -> bool {
-        self.sways.iter().any(|sway| sway.share > 0.0)
+        self.sways.iter().flatten().any(|sway| sway.share > 0.0)
     }
 }
 
@@ -95,13 +128,13 @@ impl Sway {
             })
         });
         let near = |on: [f64; 2]| {
-            let sway = Self { share: 1.0, on };
+            let sway = Self { share: 1.0, on, scale: 1.0 };
             let own = sway.correlations::<{ LAGS + 1 }>();
             let (fit, norm) =
                 (1..=LAGS).fold((0.0, 0.0), |(fit, norm), k| (fit + r[k] * own[k], norm + own[k] * own[k]));
             let share = (fit / norm).clamp(0.0, 0.95);
             let off = (1..=LAGS).fold(0.0, |sum, k| sum + (r[k] - share * own[k]) * (r[k] - share * own[k]));
-            (off, Self { share, on })
+            (off, Self { share, ..sway })
         };
         let nearest = slow.chain(turning).map(near).reduce(|a, b| if b.0 < a.0 { b } else { a })?.1;
         (nearest.share >= LEAST_SHARE).then_some(nearest)
@@ -118,11 +151,11 @@ impl Sway {
         r
     }
 
-    /// Variance of what is new in it from frame to frame.
+    /// Variance of what is new in it from frame to frame, where it varies by 1.
     #[must_use]
     pub fn fresh_var(&self) -> f64 {
         let [_, r1, r2] = self.correlations::<3>();
-        self.share * (1.0 - self.on[0] * r1 - self.on[1] * r2).max(0.0)
+        (1.0 - self.on[0] * r1 - self.on[1] * r2).max(0.0)
     }
 }
 
@@ -141,7 +174,7 @@ mod tests {
             .map(|_| {
                 let now = sway.on[0] * s[0] + sway.on[1] * s[1] + sway.fresh_var().sqrt() * normal();
                 s = [now, s[0]];
-                Some(now + (1.0 - sway.share).sqrt() * normal())
+                Some(sway.share.sqrt() * now + (1.0 - sway.share).sqrt() * normal())
             })
             .collect()
     }
@@ -149,7 +182,7 @@ mod tests {
     #[test]
     fn a_sway_is_found_in_its_own_noise() {
         // A period of five frames that lasts for a second.
-        let sway = Sway { share: 0.7, on: [0.58, -0.9] };
+        let sway = Sway { share: 0.7, on: [0.58, -0.9], scale: 1.0 };
         let runs: Vec<_> = (0..8).map(|seed| noise(sway, 3000, seed)).collect();
         let found = Sway::learn(&runs);
         assert!((found.share - 0.7).abs() < 0.05, "{found:?}");
@@ -158,18 +191,27 @@ mod tests {
 
     #[test]
     fn white_noise_has_none() {
-        let white = Sway { share: 0.0, on: [0.0; 2] };
+        let white = Sway::default();
         assert_eq!(Sway::learn(&[noise(white, 20_000, 1)]), Sway::default());
         assert_eq!(Sway::learn(&[]), Sway::default());
     }
 
     #[test]
     fn what_is_new_makes_up_for_what_fades() {
-        let sway = Sway { share: 0.5, on: [1.1, -0.6] };
+        let sway = Sway { share: 0.5, on: [1.1, -0.6], scale: 1.0 };
         let [r0, r1, _] = sway.correlations::<3>();
         let [p, q] = sway.on;
         // var(p s1 + q s2) + fresh = var s.
-        let again = sway.share * (p * p + q * q + 2.0 * p * q * r1) * r0 + sway.fresh_var();
-        assert!((again - sway.share).abs() < 1e-12, "{again}");
+        let again = (p * p + q * q + 2.0 * p * q * r1) * r0 + sway.fresh_var();
+        assert!((again - 1.0).abs() < 1e-12, "{again}");
+    }
+
+    #[test]
+    fn a_pace_is_a_band_of_speed_one_way_or_the_other() {
+        let of = |forward: f64| pace([0.0, forward, 0.0]);
+        assert_eq!([0.0, 0.01, 0.25, 0.26, 0.5, 1.0].map(of), [0, 1, 1, 2, 2, 4]);
+        assert_eq!([-0.01, -0.25, -0.26, -1.0].map(of), [5, 5, 6, 8]);
+        assert_eq!([pace([-0.6, 0.0, 0.0]), pace([0.0, 0.0, -1.0]), pace([0.3, -0.1, 0.0])], [3, 4, 6]);
+        assert!((0..=20).all(|i| of(f64::from(i) / 10.0 - 1.0) < PACES));
     }
 }

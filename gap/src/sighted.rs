@@ -82,11 +82,21 @@ impl<'a> Sighted<'a> {
         filtered
     }
 
+    /// `log p(o)` by scored step under a response whose noise hangs together like this.
+    pub(crate) fn swayed(&self, numbers: &[f64], memory: Memory) -> Vec<f64> {
+        let swayed = Terms(Vec::with_capacity(self.moments.len()));
+        self.told_as(memory, numbers, swayed).0.0
+    }
+
     /// Filters the log under a response for somebody. Gives how often each bin of detection was visited, too.
     fn told<H: Hears>(&self, numbers: &[f64], heard: H) -> (H, Vec<f64>) {
+        self.told_as(self.memory, numbers, heard)
+    }
+
+    fn told_as<H: Hears>(&self, memory: Memory, numbers: &[f64], heard: H) -> (H, Vec<f64>) {
         let mut scored = Scored { scored: &self.scored, heard };
         let shape = &self.library.base.shape;
-        let walk = Walk { shape, numbers, memory: self.memory, view: &self.view, counted: &self.counted };
+        let walk = Walk { shape, numbers, memory, view: &self.view, counted: &self.counted };
         let visits = walk.tell(&mut scored, self.begin..self.view.steps.len(), &mut self.start.clone());
         (scored.heard, visits)
     }

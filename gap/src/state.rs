@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector3};
 
-use crate::memory::Memory;
+use crate::memory::Sway;
 
 /// A pose with its covariance: world x, world y, heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,7 +13,8 @@ pub struct Belief {
     pub covariance: Matrix3<f64>,
 }
 
-/// A pose, and after it, where anything sways, the sways of sizes and of bearings at this frame and the one before.
+/// A pose, and after it, where anything sways, the sways of sizes and of bearings at this frame and the one before, each of
+/// variance 1.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State<const N: usize> {
     pub(crate) mean: SVector<f64, N>,
@@ -26,13 +27,13 @@ pub(crate) const SWAYS: [usize; 2] = [3, 5];
 pub(crate) const SWAYING: usize = 7;
 pub(crate) const STEADY: usize = 3;
 impl<const N: usize> State<N> {
-    pub(crate) fn new(belief: &Belief, memory: &Memory) -> Self {
+    pub(crate) fn new(belief: &Belief) -> Self {
         let mut mean = SVector::<f64, N>::zeros();
         let mut covariance = SMatrix::<f64, N, N>::zeros();
         mean.fixed_rows_mut::<3>(0).copy_from(&belief.mean);
         covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&belief.covariance);
         let mut state = Self { mean, covariance };
-        state.forget_sways(memory);
+        state.forget_sways(&[Sway::default(); 2]);
         state
     }
 
@@ -44,14 +45,14 @@ impl<const N: usize> State<N> {
     }
 
     /// Of the sways nothing is known but how they are distributed.
-    pub(crate) fn forget_sways(&mut self, memory: &Memory) {
-        for (at, sway) in SWAYS.into_iter().zip(&memory.sways).filter(|(at, _)| *at < N) {
+    pub(crate) fn forget_sways(&mut self, sways: &[Sway; 2]) {
+        for (at, sway) in SWAYS.into_iter().zip(sways).filter(|(at, _)| *at < N) {
             for i in [at, at + 1] {
                 self.mean[i] = 0.0;
                 self.covariance.row_mut(i).fill(0.0);
                 self.covariance.column_mut(i).fill(0.0);
             }
-            let [var, next] = sway.correlations::<2>().map(|r| sway.share * r);
+            let [var, next] = sway.correlations::<2>();
             self.covariance.fixed_view_mut::<2, 2>(at, at).copy_from(&Matrix2::new(var, next, next, var));
         }
     }

@@ -52,7 +52,7 @@ pub fn counted(shape: &Shape, numbers: &[f64], view: &View, begin: usize, belief
     let landmarks = view.landmarks.len();
     let mut counted = vec![Counts::Not; view.steps.len() * landmarks];
     let mut ready = Ready::new(shape, numbers, Memory::default());
-    let mut state = State::<STEADY>::new(belief, &Memory::default());
+    let mut state = State::<STEADY>::new(belief);
     let mut genuine = 1.0;
     for i in begin..view.steps.len() {
         if view.steps[i].dt_s > 0.0 {

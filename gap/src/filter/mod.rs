@@ -15,7 +15,7 @@ use nalgebra::{Matrix2, Matrix3, RowVector3, SMatrix, Vector2, Vector3};
 
 use crate::columns::Group;
 use crate::hears::{Filtered, Hears, Innovation};
-use crate::memory::Memory;
+use crate::memory::{Memory, Sway, pace};
 use crate::shape::{CHANGING, Numbers, Shape, Sight, speed_class};
 use crate::state::{Belief, STEADY, SWAYING, SWAYS, State};
 use crate::view::{Seen, View};
@@ -139,7 +139,8 @@ impl<'a> Ready<'a> {
         belief: &mut Belief,
         who: &mut H,
     ) {
-        let mut state = State::<N>::new(belief, &self.memory);
+        let mut state = State::<N>::new(belief);
+        state.forget_sways(&self.sways(view, steps.start));
         for i in steps {
             if view.steps[i].dt_s > 0.0 {
                 self.predict(view, i, &mut state);
@@ -186,11 +187,12 @@ impl<'a> Ready<'a> {
         let anywhere = if step.astray || self.lost { ASTRAY } else { [0.0; 3] };
         let q = Vector3::from_fn(|axis, _| step.dt_s * (class[axis] + step.changing * changing[axis] + anywhere[axis]));
         let q = rotation * Matrix3::from_diagonal(&q) * rotation.transpose();
+        let sways = self.sways(view, i);
         let gap = view.steps[i].dt_s > GAP * self.memory.frame_s;
         if gap {
-            state.forget_sways(&self.memory);
+            state.forget_sways(&sways);
         }
-        for (at, sway) in SWAYS.into_iter().zip(&self.memory.sways).filter(|(at, _)| *at < N && !gap) {
+        for (at, sway) in SWAYS.into_iter().zip(&sways).filter(|(at, _)| *at < N && !gap) {
             let now = sway.on[0] * state.mean[at] + sway.on[1] * state.mean[at + 1];
             (state.mean[at], state.mean[at + 1]) = (now, state.mean[at]);
             f[(at, at)] = sway.on[0];
@@ -201,9 +203,14 @@ impl<'a> Ready<'a> {
         state.covariance = f * state.covariance * f.transpose();
         let mut of_pose = state.covariance.fixed_view_mut::<3, 3>(0, 0);
         of_pose += q;
-        for (at, sway) in SWAYS.into_iter().zip(&self.memory.sways).filter(|(at, _)| *at < N && !gap) {
+        for (at, sway) in SWAYS.into_iter().zip(&sways).filter(|(at, _)| *at < N && !gap) {
             state.covariance[(at, at)] += sway.fresh_var();
         }
+    }
+
+    /// The sways at the pace of a step.
+    fn sways(&self, view: &View, i: usize) -> [Sway; 2] {
+        self.memory.sways[view.steps.get(i).map_or(0, |step| pace(step.attempt))]
     }
 
     fn sight(&self, view: &View, i: usize, landmark: usize, belief: &Belief) -> Sight {
@@ -235,15 +242,17 @@ impl<'a> Ready<'a> {
         let sight = self.sight(view, i, landmark, &belief);
         let (expected, of_pose) = self.expected(view, &sight, &belief);
         let band = self.shape.band(sight.distance_m);
+        let sways = self.sways(view, i);
         let vars = [self.size_vars[band], if view.aims { self.bearing_vars[band] } else { RAIL_RAD * RAIL_RAD }];
+        let vars = [0, 1].map(|k| vars[k] * sways[k].scale * sways[k].scale);
         let mut plain = Vector2::new(size - expected[0], wrap_rad(bearing_rad - expected[1]));
         let mut h = SMatrix::<f64, 2, N>::zeros();
         h.fixed_view_mut::<2, 3>(0, 0).copy_from(&of_pose);
         for (k, at) in SWAYS.into_iter().enumerate().filter(|(_, at)| *at < N) {
-            h[(k, at)] = vars[k].sqrt();
+            h[(k, at)] = (sways[k].share * vars[k]).sqrt();
             plain[k] -= h[(k, at)] * state.mean[at];
         }
-        let white_var = |k: usize| vars[k] * (1.0 - self.memory.sways[k].share);
+        let white_var = |k: usize| vars[k] * (1.0 - sways[k].share);
         let r = Matrix2::from_diagonal(&Vector2::new(white_var(0), white_var(1)));
         let across = state.covariance * h.transpose();
         let s = h * across + r;

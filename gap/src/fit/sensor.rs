@@ -233,7 +233,7 @@ pub fn memory(shape: &Shape, runs: &[Run], numbers: &[f64]) -> Memory {
             noises.push(sums.iter().map(|(sum, n)| (*n > 0.0).then(|| sum[k] / n)).collect());
         }
     }
-    Memory { sways: [0, 1].map(|k| Sway::learn(&noises[k])), spread: [1.0; 2], frame_s: frame_s(runs) }
+    Memory::at_any_pace([0, 1].map(|k| Sway::learn(&noises[k])), frame_s(runs))
 }
 
 /// How often landmarks are seen, by bin. What was taken for a landmark hides whether the landmark would have been seen.

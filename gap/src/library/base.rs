@@ -4,6 +4,7 @@ use asami_dataset::{Dataset, Seed};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::swaying::swaying;
 use super::{Budget, CannotLearn, FIRST_SEED, Library, play};
 use crate::blocks::polished;
 use crate::columns::Group;
@@ -22,6 +23,8 @@ const POLISHED_BLOCKS: [&str; 6] = ["noise", "sensor", "timing", "noise", "senso
 const PLAYED_BLOCKS: [&str; 5] = ["noise", "sensor", "static_motion", "timing", "noise"];
 /// Of so many nominal logs the likelihood is made greatest.
 const POLISHED: usize = 16;
+/// On so many of them sways are learned.
+const SWAYING: usize = 8;
 
 /// The nominal response.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,6 +62,9 @@ impl Base {
         let numbers = fit::nominal(&shape, &rhythm, runs);
         let memory = remembered(&shape, &rhythm, &numbers, runs);
         let mut base = Self { shape, fitted: numbers.clone(), numbers, rhythm, memory };
+        if base.memory.sways() {
+            (base.numbers, base.memory) = base.swaying(runs);
+        }
         base.memory.spread = base.spread(runs);
         base.numbers = base.polished(&base.numbers, runs, &POLISHED_BLOCKS, &|_| true);
         // None seen in nominal runs is no proof that there are none: the least share that was counted stays.
@@ -67,6 +73,14 @@ impl Base {
         base.memory.spread = [1.0; 2];
         base.memory.spread = base.spread(runs);
         Some(base)
+    }
+
+    /// How sightings sway at each pace, and how noisy motion is beside it.
+    fn swaying(&self, runs: &[Dataset]) -> (Vec<f64>, Memory) {
+        let alone = Library::new(self.clone(), Vec::new());
+        let logs: Vec<Sighted<'_>> =
+            runs.iter().take(SWAYING).filter_map(|run| Sighted::new(&run.log, &alone).ok()).collect();
+        swaying(self, &logs)
     }
 
     /// The numbers near these that make logs most likely, block by block: how a head that follows a landmark answers to a

@@ -5,6 +5,7 @@ mod base;
 mod between;
 mod entry;
 mod gauge;
+mod swaying;
 
 use asami_dataset::{Dataset, Log, Seed};
 use asami_sim::effect::Block;

@@ -66,15 +66,16 @@ fn likely(judge: &dyn Judge, numbers: &[f64]) -> f64 {
 fn last(judge: &mut Sighted<'_>, numbers: &[f64]) {
     let frames = judge.view.steps.windows(2).map(|pair| pair[1].t_s - pair[0].t_s).filter(|it| *it > 0.0);
     judge.memory.frame_s = median(&frames.collect::<Vec<f64>>()).unwrap_or(judge.memory.frame_s);
-    for k in 0..judge.memory.sways.len() {
+    for k in 0..2 {
         let mut best = (likely(judge, numbers), judge.memory);
-        judge.memory.sways[k] = Sway::default();
+        judge.memory.sways.iter_mut().for_each(|sways| sways[k] = Sway::default());
         let without = likely(judge, numbers);
         if without + LASTS_NATS > best.0 {
             best = (without + LASTS_NATS, judge.memory);
         }
         for (share, frames) in SHARES.into_iter().flat_map(|share| FRAMES.map(|frames| (share, frames))) {
-            judge.memory.sways[k] = Sway { share, on: [exp(-1.0 / frames), 0.0] };
+            let sway = Sway { share, on: [exp(-1.0 / frames), 0.0], ..Sway::default() };
+            judge.memory.sways.iter_mut().for_each(|sways| sways[k] = sway);
             let found = likely(judge, numbers);
             if found > best.0 {
                 best = (found, judge.memory);

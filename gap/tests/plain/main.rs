@@ -14,6 +14,7 @@ use asami_gap::weigh::evidence::{CLOSE, Weighed, weigh};
 use asami_gap::{Calibration, Diagnoser, Library, Planted, Responds, Variant};
 
 mod sizes;
+mod swaying;
 #[path = "../world/mod.rs"]
 mod world;
 
