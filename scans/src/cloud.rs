@@ -16,19 +16,24 @@ pub struct Cut {
     pub square_m: f64,
 }
 
-/// The points of a scan in the sensor's frame at the scan's beginning, at encoder angle 0 laser l looking along `angles_rad[l]`.
-/// The sensor moves by `motion` while `motion_firings` firings pass.
+/// How a sensor moves while a scan is taken, evenly and along a chord.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Going {
+    /// The motion, in the sensor's frame at the moment that points are set back to.
+    pub motion: Rigid,
+    /// While so many firings pass.
+    pub firings: f64,
+    /// So many of them before that moment.
+    pub before: f64,
+}
+
+/// The points of a scan in the sensor's frame, at encoder angle 0 laser l looking along `angles_rad[l]`: each where it was measured or, of a
+/// sensor that is `going`, set back to where it would have been seen at one moment.
 #[must_use]
-pub fn cloud(
-    drive: &Drive<'_>,
-    scan: &Scan,
-    angles_rad: &[f64],
-    cut: &Cut,
-    motion: Option<(Rigid, f64)>,
-) -> Vec<[f64; 2]> {
-    let poses: Vec<[f64; 4]> = motion.map_or(Vec::new(), |(motion, firings)| {
+pub fn cloud(drive: &Drive<'_>, scan: &Scan, angles_rad: &[f64], cut: &Cut, going: Option<Going>) -> Vec<[f64; 2]> {
+    let poses: Vec<[f64; 4]> = going.map_or(Vec::new(), |Going { motion, firings, before }| {
         let pose = |i: usize| {
-            let share = i as f64 / firings.max(1.0);
+            let share = (i as f64 - before) / firings.max(1.0);
             let (s, c) = asami_math::elementary::sin_cos(share * motion.turn_rad);
             [s, c, share * motion.x, share * motion.y]
         };

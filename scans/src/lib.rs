@@ -14,11 +14,11 @@ mod signal;
 mod thickness;
 
 pub use angles::{Angles, chain, graph};
-pub use cloud::{Cut, cloud};
+pub use cloud::{Cut, Going, cloud};
 pub use drive::{Drive, Scan};
 pub use forward::{Direction, angle_median};
 pub use matching::{Distance, Match, Matching, Target, align};
-pub use odometry::{Motion, Odometry};
+pub use odometry::{AsOf, Motion, Odometry};
 pub use offsets::{Offsets, Slope, from_slopes, slopes};
 pub use pairs::{PairLag, pair_lags, pairs};
 pub use sensor::{Layout, Sensor};

@@ -2,16 +2,35 @@
 
 use asami_math::rigid::{Rigid, rotate};
 
-use crate::cloud::{Cut, cloud};
+use crate::cloud::{Cut, Going, cloud};
 use crate::drive::{Drive, Scan};
 use crate::matching::{Match, Matching, Target, align};
 
-/// A motion from the beginning of one scan to that of the next, in the frame of the lasers' relative angles.
+/// The moment of its turn as of which a scan taken in motion shows its surroundings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AsOf {
+    /// Its beginning. A speed that is wrong by e shifts all points, in the mean by half a turn's time e.
+    Beginning,
+    /// Its middle. A speed that is wrong stretches the points, but leaves their middle where it is.
+    Middle,
+}
+
+impl AsOf {
+    /// Share of the turn that has passed.
+    fn passed(self) -> f64 {
+        match self {
+            Self::Beginning => 0.0,
+            Self::Middle => 0.5,
+        }
+    }
+}
+
+/// A motion from the moment of one scan to that of the next, in the frame of the lasers' relative angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// When the earlier scan begins.
+    /// The earlier scan's moment.
     pub t_s: f64,
-    /// How much later the later one does.
+    /// How much later the later one's is.
     pub dt_s: f64,
     /// Where the later scan was taken, seen from the earlier.
     pub later_from_earlier: Rigid,
@@ -67,6 +86,8 @@ pub struct Odometry<'a> {
     pub cut: Cut,
     /// How clouds are matched.
     pub matching: Matching,
+    /// The moment of a turn from which to which motions are found.
+    pub as_of: AsOf,
 }
 
 impl Odometry<'_> {
@@ -89,7 +110,7 @@ impl Odometry<'_> {
         (0..self.scans.len().saturating_sub(1)).map(pair).collect()
     }
 
-    /// Each pair from the start given for it or else the motion of the one before it, points set back to where the car stood when its scan began. Twice over:
+    /// Each pair from the start given for it or else the motion of the one before it, points set back to where the car stood at the moment of its scan. Twice over:
     /// only after the first pass is it known how fast the car was at each scan.
     #[must_use]
     pub fn in_motion(&self, starts: &[Rigid]) -> Vec<Option<Motion>> {
@@ -123,7 +144,7 @@ impl Odometry<'_> {
             .map(|i| {
                 // Both set back at one speed: errors of the speed that differ from scan to scan would feed on themselves.
                 let (earlier, later) = (thinned.steady(i, speed), thinned.steady(i + 1, speed));
-                let dt_s = self.scans[i + 1].t_s - self.scans[i].t_s;
+                let dt_s = self.moment_s(i + 1) - self.moment_s(i);
                 let going_on = || speed.map_or(Rigid::default(), |speed| scaled(&speed, dt_s));
                 let start = starts.get(i).copied().unwrap_or_else(going_on);
                 let found = align(&later, &Target::new(&earlier, &rough), start, &rough);
@@ -136,15 +157,26 @@ impl Odometry<'_> {
 
     /// A scan's points, the car's own motion at `speed` (per second) taken out.
     fn steady(&self, k: usize, speed: Option<Rigid>) -> Vec<[f64; 2]> {
-        let scan = &self.scans[k];
-        let times = &self.drive.firings.t_s;
-        let lasts_s = times[scan.end - 1] - times[scan.first];
-        let motion = speed.map(|speed| (scaled(&speed, lasts_s), (scan.end - scan.first - 1).max(1) as f64));
-        cloud(self.drive, scan, self.angles_rad, &self.cut, motion)
+        let (scan, passed) = (&self.scans[k], self.as_of.passed());
+        let firings = (scan.end - scan.first - 1).max(1) as f64;
+        let going = speed.map(|speed| {
+            let motion = chord(&speed, self.lasts_s(k), passed);
+            Going { motion, firings, before: passed * firings }
+        });
+        cloud(self.drive, scan, self.angles_rad, &self.cut, going)
+    }
+
+    fn lasts_s(&self, k: usize) -> f64 {
+        let (times, scan) = (&self.drive.firings.t_s, &self.scans[k]);
+        times[scan.end - 1] - times[scan.first]
+    }
+
+    fn moment_s(&self, k: usize) -> f64 {
+        self.scans[k].t_s + self.as_of.passed() * self.lasts_s(k)
     }
 
     fn motion(&self, i: usize, matched: Match) -> Motion {
-        let (t_s, next_s) = (self.scans[i].t_s, self.scans[i + 1].t_s);
+        let (t_s, next_s) = (self.moment_s(i), self.moment_s(i + 1));
         Motion { t_s, dt_s: next_s - t_s, later_from_earlier: matched.motion, matched }
     }
 }
@@ -155,9 +187,15 @@ fn rate(motion: &Motion) -> Rigid {
     Rigid { turn_rad: motion.turning_rad_per_s(), x: x / motion.dt_s, y: y / motion.dt_s }
 }
 
+/// From now on.
 fn scaled(speed: &Rigid, dt_s: f64) -> Rigid {
+    chord(speed, dt_s, 0.0)
+}
+
+/// In `dt_s`, of which a share has passed, in the frame of now.
+fn chord(speed: &Rigid, dt_s: f64, passed: f64) -> Rigid {
     let turn_rad = speed.turn_rad * dt_s;
-    let [x, y] = rotate(turn_rad / 2.0, [speed.x * dt_s, speed.y * dt_s]);
+    let [x, y] = rotate((0.5 - passed) * turn_rad, [speed.x * dt_s, speed.y * dt_s]);
     Rigid { turn_rad, x, y }
 }
 

@@ -2,7 +2,7 @@
 
 use asami_dataset::Log;
 use asami_math::elementary::atan2;
-use asami_scans::{CannotScan, Cut, Drive, Matching, Motion, Odometry, Scan, Sensor, angle_median};
+use asami_scans::{AsOf, CannotScan, Cut, Drive, Matching, Motion, Odometry, Scan, Sensor, angle_median};
 
 /// From one scan to the next.
 const INTERVAL_S: f64 = 0.5;
@@ -80,7 +80,8 @@ impl<'a> Moved<'a> {
         let scans = drive.scans(interval_s);
         let cut = Cut { lowest_m: -1.0, square_m: 0.1 };
         let matching = Matching::lines(0.1);
-        let odometry = Odometry { drive: &drive, scans: &scans, angles_rad: &relative_rad, cut, matching };
+        let odometry =
+            Odometry { drive: &drive, scans: &scans, angles_rad: &relative_rad, cut, matching, as_of: AsOf::Beginning };
         let motions: Vec<Motion> = odometry.in_motion(&[]).into_iter().flatten().collect();
         let fast = motions.iter().filter(|motion| motion.speed_m_per_s() > SLOW_M_PER_S);
         let ways: Vec<f64> = fast

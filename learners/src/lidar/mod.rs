@@ -13,8 +13,9 @@ use asami_math::angle::wrap_rad;
 use asami_math::rigid::{Rigid, rotate};
 
 pub use asami_scans::{
-    Angles, Cut, Direction, Distance, Drive, Layout, Match, Matching, Motion, Odometry, Offsets, PairLag, Scan, Sensor,
-    Shaping, Signal, Slope, Target, align, angle_median, chain, cloud, from_slopes, graph, pair_lags, pairs, slopes,
+    Angles, AsOf, Cut, Direction, Distance, Drive, Layout, Match, Matching, Motion, Odometry, Offsets, PairLag, Scan,
+    Sensor, Shaping, Signal, Slope, Target, align, angle_median, chain, cloud, from_slopes, graph, pair_lags, pairs,
+    slopes,
 };
 
 pub use action::{Coefficients, Stretch, pedals, regress, roll_out};
@@ -49,7 +50,8 @@ pub struct Car {
 pub enum Start {
     /// At what the action model predicts, at first one that is given, or else at no motion; points stay where they were measured.
     ActionModel,
-    /// At the motion of the pair before, or what a given action model predicts; points are set back by the car's motion during the turn.
+    /// At the motion of the pair before, or what a given action model predicts; points are set back by the car's motion during the turn,
+    /// to its middle.
     PairBefore,
 }
 
@@ -111,6 +113,10 @@ impl Car {
             angles_rad: &angles.angle_rad,
             cut: self.cut,
             matching: self.matching,
+            as_of: match self.start {
+                Start::ActionModel => AsOf::Beginning,
+                Start::PairBefore => AsOf::Middle,
+            },
         };
         let starts = given.action.as_ref().and_then(Coefficients::of).map(|model| guessed(&model, log, &scans));
         let found = match self.start {
@@ -274,7 +280,7 @@ fn lacks(angles: &Angles, found: &Found, scans: usize) -> Vec<Lack> {
     lacks
 }
 
-/// Mean velocities from each scan to the next, at the beginning of the first: rightward, forward and counter-clockwise in the car's frame.
+/// Mean velocities from each scan to the next, at the moment of the first: rightward, forward and counter-clockwise in the car's frame.
 fn traces(motions: &[Option<Motion>], forward_rad: f64) -> Vec<Trace> {
     let row =
         |value: &dyn Fn(&Motion) -> f64| motions.iter().flatten().map(|motion| [motion.t_s, value(motion)]).collect();

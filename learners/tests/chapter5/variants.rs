@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use asami_dataset::{ActionModel, Log, Models, Seed, SensorModel};
 use asami_learners::Learners;
-use asami_learners::lidar::{Drive, Offsets, Sensor, from_slopes, slopes};
+use asami_learners::car_lines::CarLines;
+use asami_learners::lidar::{AsOf, Drive, Motion, Odometry, Offsets, Sensor, from_slopes, slopes};
 
 use crate::synthetic::{Driven, Ride, learn};
 
@@ -97,4 +98,33 @@ fn scan_matching_ends_where_it_did_from_a_given_model() {
             assert!((a[1] - b[1]).abs() < 0.05, "{factor}: {a:?} and {b:?}");
         }
     }
+}
+
+/// Root mean square errors of the motions from turn to turn, metres and radians, on a car that speeds up, brakes and turns.
+fn off_track(driven: &Driven, as_of: AsOf) -> [f64; 2] {
+    let (drive, car) = (Drive::try_from(&driven.log).unwrap(), CarLines::default().car());
+    let scans = drive.scans(0.0);
+    let (cut, matching, angles_rad) = (car.cut, car.matching, &driven.angles_rad);
+    let odometry = Odometry { drive: &drive, scans: &scans, angles_rad, cut, matching, as_of };
+    let motions: Vec<Motion> = odometry.in_motion(&[]).into_iter().flatten().collect();
+    assert_eq!(motions.len() + 1, scans.len());
+    let firing = |t_s: f64| (t_s * 7800.0).round() as usize;
+    let off = |motion: &Motion| {
+        let [from, to] = [motion.t_s, motion.t_s + motion.dt_s].map(|t_s| driven.track[firing(t_s)]);
+        let (sin, cos) = from[2].sin_cos();
+        let [x, y] = [to[0] - from[0], to[1] - from[1]];
+        let found = motion.later_from_earlier;
+        let apart = [found.x - (cos * x + sin * y), found.y - (cos * y - sin * x)];
+        [(apart[0] * apart[0] + apart[1] * apart[1]).sqrt(), found.turn_rad - (to[2] - from[2])]
+    };
+    let all: Vec<[f64; 2]> = motions.iter().map(off).collect();
+    [0, 1].map(|k| rms(&all.iter().map(|it| it[k]).collect::<Vec<_>>()))
+}
+
+/// What is wrong with a turn's speed moves its beginning, not its middle.
+#[test]
+fn a_turns_middle_is_better_known_than_its_beginning() {
+    let driven = Ride { turns: 60, ..Ride::default() }.drive();
+    let [beginning, middle] = [AsOf::Beginning, AsOf::Middle].map(|as_of| off_track(&driven, as_of));
+    assert!(middle[0] < 0.8 * beginning[0] && middle[1] < 0.8 * beginning[1], "{middle:?} and {beginning:?}");
 }
