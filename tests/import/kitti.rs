@@ -55,11 +55,48 @@ fn pictures_become_firings_and_speeds_become_a_track() {
     let found = read(dir.path()).unwrap().dataset;
     let firings = found.log.firings.unwrap();
     assert_eq!((firings.len(), firings.lasers(), firings.check()), (360, 64, Ok(())));
-    assert_eq!((firings.range_2mm[63][121], firings.range_2mm[0][0], firings.encoder_cdeg[359]), (6301, 0, 35_700));
-    assert!((firings.t_s[180] - 1.5 * 0.1036).abs() < 1e-12);
+    // The sixtieth column looks back: there a turn begins.
+    assert_eq!((firings.range_2mm[63][121], firings.range_2mm[0][0], firings.encoder_cdeg[359]), (6361, 60, 17_700));
+    assert!((firings.t_s[180] - 1.5 * 0.1036).abs() < 1e-12 && firings.encoder_cdeg[180] == 0);
     let last = found.truth.track[2];
     assert!((last.theta_rad - 0.1036).abs() < 1e-12 && last.x_m < 0.0 && (last.y_m - 0.4144).abs() < 1e-3, "{last:?}");
     assert_eq!(found.log.known.velodyne.as_ref().unwrap().vertical_angles_rad.len(), 64);
+}
+
+/// A first column left of ahead and a last one right of it belong to the turn's middle, on either side.
+#[test]
+fn columns_about_the_front_keep_their_order_in_time() {
+    let dir = tempfile::tempdir().unwrap();
+    drive(dir.path(), |row, column| (row == 64).then(|| ((column * 300 + 35_900) % 36_000) as u16));
+    let firings = read(dir.path()).unwrap().dataset.log.firings.unwrap();
+    assert_eq!((firings.check(), firings.encoder_cdeg[0], firings.encoder_cdeg[59]), (Ok(()), 18_200, 35_900));
+    let step_s = 0.1036 / 120.0;
+    assert!(firings.t_s.windows(2).all(|pair| (pair[1] - pair[0] - step_s).abs() < 1e-9));
+}
+
+/// In a left turn a scanner on the right is faster than the navigation unit, and drifts outward ahead of it.
+#[test]
+fn the_track_is_the_scanners() {
+    let dir = tempfile::tempdir().unwrap();
+    drive(dir.path(), |_, _| None);
+    fs::write(dir.path().join("calib.txt"), "P0: 1 2\nTr_imu_to_velo: 1 0 0 -0.8 0 1 0 0.3 0 0 1 -0.8\n").unwrap();
+    let found = read(dir.path()).unwrap();
+    assert!(
+        found.notes.iter().any(|note| note.contains("0.80 m ahead of the navigation and -0.30 m")),
+        "{:?}",
+        found.notes
+    );
+    let track = &found.dataset.truth.track;
+    let (first, last) = (track[0], track[2]);
+    assert!((first.x_m - 0.3).abs() < 1e-12 && (first.y_m - 0.8).abs() < 1e-12, "{first:?}");
+    assert!((last.v_m_per_s.unwrap() - 2.15).abs() < 1e-12);
+    let [v, omega] = asami::scorer::car::moved(track, 0.0, 2.0 * 0.1036).unwrap();
+    assert!((v - 2.15).abs() < 1e-3 && (omega - 0.5).abs() < 1e-9, "{v} {omega}");
+    for wrong in ["P0: 1 2", "Tr_imu_to_velo: 1 0 0", "Tr_imu_to_velo: 1 0 0 nan 0 1 0 0.3 0 0 1 -0.8"] {
+        fs::write(dir.path().join("calib.txt"), wrong).unwrap();
+        let said = read(dir.path()).unwrap_err().to_string();
+        assert!(said.contains("must be a row of Tr_imu_to_velo"), "{said}");
+    }
 }
 
 #[test]

@@ -7,9 +7,12 @@
 //! |---|---|
 //! | `range/*.png` | one revolution each, in order of name: 16-bit grey, a column a firing; rows 0 to 63 the ranges in units of 2 mm (0: no return), lasers by increasing vertical angle; row 64 the encoder's angle, clockwise, hundredths of a degree |
 //! | `oxts.txt` | KITTI's 30 columns, a row a revolution; of these the forward speed and the rate of turn are read |
+//! | `calib.txt` | may be absent; its row `Tr_imu_to_velo` says where the navigation unit stands |
 //!
-//! Revolutions begin where the unit looks ahead, when the navigation's row was taken.
+//! Columns go by the encoder's angle from ahead on, but a revolution begins and ends where the unit looks back: what a picture shows
+//! first was measured last. (Ranges run on from a picture's last column to its first one, and jump in its middle.)
 
+mod lever;
 mod unit;
 
 use std::fs::File;
@@ -21,8 +24,9 @@ use asami_dataset::firings::ENCODER_STEPS;
 use asami_dataset::log::Velodyne;
 use asami_dataset::{Dataset, Firings, Known, Log, Survey, TruePose, Truth};
 
+use self::lever::Lever;
 use self::unit::KITTI_DEG;
-use super::columns::of_folder;
+use super::columns::{find, of_folder};
 use super::track::{Moving, added_up};
 use super::{ImportError, Imported, Importer, Read, words};
 
@@ -55,15 +59,26 @@ const WU: usize = 22;
 /// # Errors
 /// [`ImportError`] where there is no such drive, or it is not as documented above.
 pub fn read(source: &Path) -> Result<Imported, ImportError> {
-    let track = track(&of_folder(source, "oxts.txt", HINT)?)?;
+    let lever = find(source, "calib.txt").map(|file| lever::read(&file)).transpose()?;
+    let track = track(&of_folder(source, "oxts.txt", HINT)?, lever.unwrap_or_default())?;
     let firings = firings(&pictures(&source.join("range"))?)?;
     let turns = firings.t_s.last().map_or(0.0, |last| (last / TURN_S).ceil());
     let rate_hz = firings.len() as f64 / (turns.max(1.0) * TURN_S);
     let notes = vec![
         format!("found: {} firings of {} lasers in {turns} revolutions", firings.len(), firings.lasers()),
-        format!("assumed: each revolution takes {TURN_S} s, and a row of oxts.txt was taken where it begins"),
+        format!(
+            "assumed: each revolution takes {TURN_S} s and begins where the unit looks back, when its row of oxts.txt was taken"
+        ),
         "assumed: the unit looks ahead at encoder angle 0, so that theta_b is 90 degrees".to_owned(),
         "assumed: positions are the forward speed and rate of turn added up".to_owned(),
+        match lever {
+            Some(Lever { ahead_m, left_m }) => {
+                format!(
+                    "found: the unit is {ahead_m:.2} m ahead of the navigation and {left_m:.2} m to its left; the track is the unit's"
+                )
+            }
+            None => "assumed: the navigation is where the unit is".to_owned(),
+        },
     ];
     let velodyne = Velodyne {
         vertical_angles_rad: vertical_angles_rad(),
@@ -107,28 +122,47 @@ fn pictures(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
     Ok(files)
 }
 
-/// All firings; a firing's time is its place in the turn.
+/// All firings in order of time; a firing's time is its place in the turn.
 fn firings(files: &[PathBuf]) -> Result<Firings, ImportError> {
     let lasers = KITTI_DEG.len();
     let mut firings = Firings { range_2mm: vec![Vec::new(); lasers], ..Firings::default() };
     for (turn, file) in files.iter().enumerate() {
         let [rows @ .., encoder] = &picture(file)?;
+        let shares = shares(file, encoder)?;
+        // Where the unit looked back: there the revolution began.
+        let began = shares.partition_point(|share| *share < 0.5);
+        let in_time = |column: usize| (column + began) % encoder.len();
         let mut latest_s = firings.t_s.last().copied().unwrap_or(0.0);
-        for (column, &angle) in encoder.iter().enumerate() {
-            if angle >= ENCODER_STEPS {
-                let rule = "must be an angle in 0..36000 hundredths of a degree";
-                return Err(value(file, column, rule, u32::from(angle)));
-            }
-            // A turn may begin with the last angle of the one before.
-            let share = f64::from(angle) / f64::from(ENCODER_STEPS);
-            let begun = if column < encoder.len() / 2 && share > 0.75 { share - 1.0 } else { share };
-            latest_s = latest_s.max((turn as f64 + begun) * TURN_S);
+        for column in (0..encoder.len()).map(in_time) {
+            let passed = if column < began { shares[column] + 0.5 } else { shares[column] - 0.5 };
+            latest_s = latest_s.max((turn as f64 + passed) * TURN_S);
             firings.t_s.push(latest_s);
-            firings.encoder_cdeg.push(angle);
+            firings.encoder_cdeg.push(encoder[column]);
         }
-        firings.range_2mm.iter_mut().zip(rows).for_each(|(all, row)| all.extend_from_slice(row));
+        for (all, row) in firings.range_2mm.iter_mut().zip(rows) {
+            all.extend((0..encoder.len()).map(|column| row[in_time(column)]));
+        }
     }
     Ok(firings)
+}
+
+/// How far the unit has turned from ahead on at each column, in turns. The first may look a little to the left of ahead, the last a
+/// little to the right.
+fn shares(file: &Path, encoder: &[u16]) -> Result<Vec<f64>, ImportError> {
+    let mut shares = Vec::with_capacity(encoder.len());
+    for (column, &angle) in encoder.iter().enumerate() {
+        if angle >= ENCODER_STEPS {
+            let rule = "must be an angle in 0..36000 hundredths of a degree";
+            return Err(value(file, column, rule, u32::from(angle)));
+        }
+        let share = f64::from(angle) / f64::from(ENCODER_STEPS);
+        shares.push(match column < encoder.len() / 2 {
+            true if share > 0.75 => share - 1.0,
+            false if share < 0.25 => share + 1.0,
+            _ => share,
+        });
+    }
+    Ok(shares)
 }
 
 /// The rows of one picture: 64 of ranges and one of angles.
@@ -160,13 +194,14 @@ fn value(file: &Path, column: usize, rule: &'static str, found: u32) -> ImportEr
     ImportError::Value { file, line, column: "encoder".to_owned(), rule, found: found.to_string() }
 }
 
-/// Poses at the revolutions' beginnings.
-fn track(file: &Path) -> Result<Vec<TruePose>, ImportError> {
+/// The unit's poses at the revolutions' beginnings.
+fn track(file: &Path, lever: Lever) -> Result<Vec<TruePose>, ImportError> {
     let rows = words::read(file, OXTS)?;
     let moving = |(turn, (_, row)): (usize, &(u64, [f64; 30]))| Moving {
         t_s: turn as f64 * TURN_S,
         v_m_per_s: row[VF],
         omega_rad_per_s: row[WU],
     };
-    Ok(added_up(&rows.iter().enumerate().map(moving).collect::<Vec<_>>()))
+    let moving: Vec<Moving> = rows.iter().enumerate().map(moving).collect();
+    Ok(lever.end(&added_up(&moving), &moving))
 }
