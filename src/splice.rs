@@ -141,7 +141,13 @@ fn inset(root: &Path, name: &str) -> Result<String, String> {
     }
     let file = Path::new(REFERENCE).join(path);
     let text = read(root, &file).map_err(|error| error.to_string())?;
-    let command = format!("cargo run --bin sweep scenarios/{scenario}.toml");
+    let command = match (scenario.as_str(), path.file_stem()) {
+        // Tables beside peers are made by the script of the same name.
+        ("peers", Some(script)) => {
+            format!("python3 benches/peers/{}.py --table {}", script.to_string_lossy(), file.display())
+        }
+        _ => format!("cargo run --bin sweep scenarios/{scenario}.toml"),
+    };
     let body = match path.extension().and_then(|extension| extension.to_str()) {
         Some("md") => text.trim_matches('\n').to_owned(),
         _ => format!("```\n{}\n```", text.trim_matches('\n')),
@@ -183,6 +189,16 @@ mod tests {
         );
         std::fs::write(dir.path().join("results/reference/walk/table.md"), "| a |\n|---|\n| 2 |\n").unwrap();
         assert!(readme(dir.path()).unwrap().is_stale());
+    }
+
+    #[test]
+    fn a_table_beside_peers_names_the_script_that_made_it() {
+        let dir = root("<!-- spliced: peers/rays.md -->\n<!-- /spliced -->");
+        std::fs::create_dir_all(dir.path().join("results/reference/peers")).unwrap();
+        std::fs::write(dir.path().join("results/reference/peers/rays.md"), "| b |\n").unwrap();
+        let due = readme(dir.path()).unwrap().due;
+        let command = "python3 benches/peers/rays.py --table results/reference/peers/rays.md";
+        assert_eq!(due, format!("<!-- spliced: peers/rays.md -->\n```\n{command}\n```\n\n| b |\n<!-- /spliced -->"));
     }
 
     #[test]
