@@ -9,8 +9,8 @@
 //! `counts.i64`; `direct N` sums N of the pairs, spread evenly, by the definition at every lag, prints the seconds, the pairs and how far the others
 //! are off.
 
-#[path = "common/mod.rs"]
-mod common;
+#[path = "beside_peers/mod.rs"]
+mod beside_peers;
 
 use std::error::Error;
 use std::f64::consts::PI;
@@ -21,7 +21,7 @@ use asami_learners::lidar::{Drive, Sensor, pairs};
 use asami_math::correlation::{Correlogram, Overlap, correlograms, lags_to};
 use serde_json::{Value, json};
 
-use common::{simulated, thread_s, write};
+use beside_peers::{simulated, thread_s, write};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

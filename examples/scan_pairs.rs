@@ -11,8 +11,8 @@
 //! standard input, matches scans so far apart (0: every turn), each with the next, and prints seconds of the thread's own time and
 //! the motions: from when, over how long, x, y and turn.
 
-#[path = "common/mod.rs"]
-mod common;
+#[path = "beside_peers/mod.rs"]
+mod beside_peers;
 
 use std::error::Error;
 use std::io::BufRead;
@@ -24,7 +24,7 @@ use asami_learners::car_lines::CarLines;
 use asami_learners::lidar::{AsOf, Drive, Odometry};
 use serde_json::json;
 
-use common::{simulated, thread_s, write};
+use beside_peers::{simulated, thread_s, write};
 
 /// Nearer returns are the car's own.
 const NEAREST_M: f64 = 2.5;

@@ -2,7 +2,7 @@
 """Seconds to correlate what 63 pairs of adjacent lasers saw during 200 s, over all lags: asami beside SciPy, and beside the definition.
 
     pip install numpy scipy
-    python3 benches/peers/correlation.py [--seconds S] [--seed S] [--rounds N] [--direct N] [--release] [--table FILE]
+    python3 benches/peers/correlation.py [--seconds S] [--seed S] [--rounds N] [--slow N] [--direct N] [--release] [--table FILE]
 
 The task of section 5.1 of Stronger (2008): of each pair the normalised correlation over the places where both have a return, at every lag up to half
 a turn to either side. Ranges as they are, of scenarios/car.toml.
@@ -38,7 +38,7 @@ try:
 except ImportError as missing:
     sys.exit(f"correlation.py needs the Python package {missing.name!r}: pip install numpy scipy")
 
-from example import Example, built
+from example import Example, built, table
 
 ABSENT = -32768
 
@@ -113,15 +113,11 @@ def main():
     spent[name], off[name] = [exact["seconds"] * pairs / len(exact["pairs"])], exact["off"]
     seconds = {name: statistics.median(found) for name, found in spent.items()}
     first = seconds[f"asami ({profile})"]
-    lines = ["| method | s for all pairs | times asami's | greatest difference of a coefficient to asami's |", "|---|---|---|---|"]
-    lines += [f"| {name} | {s:.2f} | {s / first:.1f} | {f'{off[name]:.1e}' if name in off else ''} |" for name, s in seconds.items()]
-    lines += ["", f"{pairs} pairs, {2 * most + 1} lags, {signals.shape[1]} firings; counts of places are off the definition's by at most {exact['miscounted']}. "
-              f"Processor time, one thread each, median of {rounds} rounds; of scipy.signal.correlate and of the definition, some pairs stand for all."]
-    table = "\n".join(lines) + "\n"
-    print(table, end="")
-    if arguments.table:
-        arguments.table.parent.mkdir(parents=True, exist_ok=True)
-        arguments.table.write_text(table)
+    head = ["method", "s for all pairs", "times asami's", "greatest difference of a coefficient to asami's"]
+    rows = [[name, f"{s:.2f}", f"{s / first:.1f}", f"{off[name]:.1e}" if name in off else ""] for name, s in seconds.items()]
+    below = (f"{pairs} pairs, {2 * most + 1} lags, {signals.shape[1]} firings; counts of places are off the definition's by at most {exact['miscounted']}. "
+             f"Processor time, one thread each, median of {rounds} rounds; of scipy.signal.correlate and of the definition, some pairs stand for all.")
+    table(head, rows, below, arguments.table)
 
 
 if __name__ == "__main__":

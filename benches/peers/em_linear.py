@@ -2,7 +2,7 @@
 """Milliseconds of processor time per EM iteration and 1000 steps, pykalman and dynamax beside asami, on logs of one size.
 
     pip install pykalman==0.11.2 dynamax==1.0.3
-    python3 benches/peers/em_linear.py [--release] [--rounds N] [--steps N]
+    python3 benches/peers/em_linear.py [--release] [--rounds N] [--steps N] [--table FILE]
 
 No peer learns asami's models. The nearest thing they do is EM on a linear system with Gaussian noise, so that is what
 they get: as many steps (18 000), as many states (3: place and heading), as many numbers observed in each step (4: two
@@ -37,7 +37,8 @@ import subprocess
 import sys
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+from example import built, table
+
 STATES, OBSERVED = 3, 4
 LEARNERS = ["em_published", "em_rts", "em_exact"]
 # Iterations of a short and of a long run.
@@ -64,16 +65,6 @@ try:
     from dynamax.linear_gaussian_ssm import LinearGaussianSSM
 except ImportError as missing:
     absent(missing.name, missing)
-
-
-def built(release):
-    """The path of the example, built."""
-    command = ["cargo", "build", "--example", "em_iterations", "--message-format=json-render-diagnostics"]
-    done = subprocess.run(command + (["--release"] if release else []), cwd=ROOT, stdout=subprocess.PIPE, text=True)
-    found = [json.loads(line).get("executable") for line in done.stdout.splitlines() if line.startswith("{")]
-    if done.returncode or not any(found):
-        sys.exit(f"{' '.join(command)} failed with status {done.returncode}")
-    return [path for path in found if path][-1]
 
 
 def asami_run(program, learner, iterations):
@@ -167,10 +158,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--release", action="store_true", help="time asami built with --release, not the dev profile")
     parser.add_argument("--rounds", type=int, default=5, help="how often each is timed (default 5)")
+    parser.add_argument("--table", type=pathlib.Path, help="writes the table there, in Markdown")
     parser.add_argument("--steps", type=int, default=18_000, help="steps of the peers' log (default 18000, asami's)")
     arguments = parser.parse_args()
     rounds = max(arguments.rounds, 1)
-    program, problem = built(arguments.release), Linear(arguments.steps)
+    program, problem = built("em_iterations", arguments.release), Linear(arguments.steps)
     log = asami_run(program, LEARNERS[0], 1)
     profile = "release" if arguments.release else "dev"
     ours = {f"asami {name} ({profile})": (lambda n, name=name: asami_run(program, name, n), ASAMI, log["steps"])
@@ -185,15 +177,13 @@ def main():
         for name, runs in (ours | peers).items():
             spent[name].append(per_iteration(*runs))
 
-    print(f"asami: {log['steps']} steps, {log['sightings']} sightings of 2 numbers each, {log['actions']} actions; "
-          f"peers: {arguments.steps} steps of {STATES} states and {OBSERVED} numbers observed; "
-          f"median (least to greatest) of {rounds} rounds")
     median = {name: statistics.median(found) for name, found in spent.items()}
-    for name, found in spent.items():
-        print(f"{name:26} {median[name]:9.3f} ms per iteration and 1000 steps ({min(found):.3f} to {max(found):.3f})")
-    better = min(peers, key=median.get)
-    for name in ours:
-        print(f"ratio, {better} to {name}: {median[better] / median[name]:.1f}")
+    rows = [[name, f"{median[name]:.3f} ({min(found):.3f} to {max(found):.3f})", *(f"{median[name] / median[it]:.1f}" for it in ours)]
+            for name, found in spent.items()]
+    below = (f"Milliseconds of processor time per iteration and 1000 steps, one thread each, median (least to greatest) of {rounds} rounds. asami: "
+             f"{log['steps']} steps, {log['sightings']} sightings of 2 numbers each, {log['actions']} actions; peers: {arguments.steps} steps of "
+             f"{STATES} states and {OBSERVED} numbers observed, all of it linear.")
+    table(["method", "ms", *(f"times {name}'s" for name in LEARNERS)], rows, below, arguments.table)
 
 
 if __name__ == "__main__":

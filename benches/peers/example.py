@@ -1,4 +1,4 @@
-"""Programs of asami's that peers are compared with: built, started, and asked line by line."""
+"""What comparisons with peers have alike: asami's programs, built, started and asked line by line; and tables."""
 
 import json
 import pathlib
@@ -8,9 +8,9 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
-def built(name, release):
-    """The path of the example, built."""
-    command = ["cargo", "build", "--example", name, "--message-format=json-render-diagnostics"]
+def built(name, release, package="asami"):
+    """The path of the package's example, built."""
+    command = ["cargo", "build", "-p", package, "--example", name, "--message-format=json-render-diagnostics"]
     done = subprocess.run(command + (["--release"] if release else []), cwd=ROOT, stdout=subprocess.PIPE, text=True)
     found = [json.loads(line).get("executable") for line in done.stdout.splitlines() if line.startswith("{")]
     if done.returncode or not any(found):
@@ -39,3 +39,13 @@ class Example:
     def close(self):
         self.process.stdin.close()
         self.process.wait()
+
+
+def table(head, rows, below, file):
+    """Prints a table in Markdown and what is said below it, and writes both into the file, if there is one."""
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head), *("| " + " | ".join(row) + " |" for row in rows), "", below]
+    text = "\n".join(lines) + "\n"
+    print(text, end="")
+    if file:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)

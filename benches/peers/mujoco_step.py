@@ -2,7 +2,7 @@
 """Microseconds per engine step, MuJoCo beside asami's Rapier, on the same walk.
 
     pip install mujoco numpy
-    python3 benches/peers/mujoco_step.py [--release] [--rounds N]
+    python3 benches/peers/mujoco_step.py [--release] [--rounds N] [--table FILE]
 
 asami walks its URDF in open loop and prints what it did (`cargo run --example gait_steps`). MuJoCo then
 plays the same servo set-points on the same URDF at the same time step, with the same servo gains, efforts,
@@ -18,6 +18,7 @@ import subprocess
 import sys
 import time
 
+from example import table
 from mujoco_robot import PREFIX, add_servo, mujoco, np, spec_of
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -73,6 +74,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--release", action="store_true", help="time asami built with --release, not the dev profile")
     parser.add_argument("--rounds", type=int, default=3, help="how often each engine is timed (default 3)")
+    parser.add_argument("--table", type=pathlib.Path, help="writes the table there, in Markdown")
     arguments = parser.parse_args()
     asami_walk(arguments.release)  # Builds, and warms the processor up.
 
@@ -84,14 +86,13 @@ def main():
     peer = min(theirs, key=lambda walk: walk["microseconds_per_step"])
     if peer["upright"] < 0.8:
         sys.exit("MuJoCo's robot fell: the two did not do the same work")
-    print(f"{URDF.name}: {peer['degrees_of_freedom']} degrees of freedom, {peer['mass_kg']:.3f} kg, "
-          f"{len(rapier['set_points_rad'])} ticks of {rapier['steps_per_tick']} steps of {1e3 * rapier['time_step_s']:g} ms, "
-          f"best of {len(ours)} rounds")
     profile = "release" if arguments.release else "dev"
-    rows = [(f"asami, Rapier ({profile})", rapier), (f"MuJoCo {mujoco.__version__}", peer)]
-    for name, walk in rows:
-        print(f"{name:24} {walk['microseconds_per_step']:8.1f} us/step   walks at {1e3 * walk['speed_m_per_s']:6.1f} mm/s")
-    print(f"ratio {rapier['microseconds_per_step'] / peer['microseconds_per_step']:.1f}")
+    walks = {f"asami, Rapier ({profile})": rapier, f"MuJoCo {mujoco.__version__}": peer}
+    rows = [[name, f"{walk['microseconds_per_step']:.1f}", f"{walk['microseconds_per_step'] / peer['microseconds_per_step']:.1f}",
+             f"{1e3 * walk['speed_m_per_s']:.1f}"] for name, walk in walks.items()]
+    below = (f"{URDF.name}: {peer['degrees_of_freedom']} degrees of freedom, {peer['mass_kg']:.3f} kg, {len(rapier['set_points_rad'])} ticks of "
+             f"{rapier['steps_per_tick']} steps of {1e3 * rapier['time_step_s']:g} ms, best of {len(ours)} rounds.")
+    table(["engine", "us a step", "times MuJoCo's", "walks at (mm/s)"], rows, below, arguments.table)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 """Million rays per second and core: asami's ray caster beside Embree and Open3D, same towns, same rays.
 
     pip install numpy embreex open3d        # either peer may be missing; Embree's packets also need a C compiler
-    python3 benches/peers/ray_casting.py [--detail D ...] [--rounds N]
+    python3 benches/peers/ray_casting.py [--detail D ...] [--rounds N] [--table FILE]
 
 asami builds a town, aims a Velodyne along its route and casts the rays (`cargo run --release --example rays`).
 Embree casts the same rays at the same triangles: 16 and 8 to a packet, told that they are coherent or not, and
@@ -13,7 +13,6 @@ of each counts. Ranges are compared with Embree's single rays.
 
 import argparse
 import ctypes
-import json
 import os
 import pathlib
 import subprocess
@@ -21,7 +20,8 @@ import sys
 import tempfile
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+from example import Example, built, table
+
 SHIM = pathlib.Path(__file__).resolve().with_name("embree_packets.c")
 
 # Before anything starts threads.
@@ -31,25 +31,6 @@ try:
     import numpy as np
 except ImportError as missing:
     sys.exit(f"ray_casting.py needs the Python package {missing.name!r}: pip install numpy")
-
-
-class Ours:
-    """The example, waiting to be told to cast."""
-
-    def __init__(self, folder, detail):
-        command = ["cargo", "run", "--quiet", "--release", "-p", "asami-sim", "--example", "rays", "--", folder, str(detail)]
-        self.process = subprocess.Popen(command, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.about = self.line()
-
-    def line(self):
-        line = self.process.stdout.readline()
-        if not line:
-            sys.exit(f"{' '.join(self.process.args)} failed with status {self.process.wait()}")
-        return json.loads(line)
-
-    def cast(self):
-        print(file=self.process.stdin, flush=True)
-        return self.line()
 
 
 def embree_packets(folder, vertices, triangles, rays, reach):
@@ -139,7 +120,7 @@ def open3d_scene(vertices, triangles, rays, reach):
 
 
 def compare(folder, detail, rounds):
-    ours = Ours(folder, detail)
+    ours = Example(built("rays", True, "asami-sim"), [folder, detail])
     about = ours.about
     read = lambda name, kind: np.fromfile(pathlib.Path(folder) / name, kind)
     # Embree reads vertices four floats at a time: one more behind the last.
@@ -153,37 +134,45 @@ def compare(folder, detail, rounds):
 
     best, ranges = {}, {}
     for _ in range(max(rounds, 1)):
-        turn = {f"asami, {name}": seconds for name, seconds in ours.cast().items()}
+        turn = {f"asami, {name}": seconds for name, seconds in ours.ask("").items()}
         for name, cast in peers.items():
             turn[name], ranges[name] = cast()
         for name, seconds in turn.items():
             best[name] = min(seconds, best.get(name, np.inf))
     ranges["asami"] = read("ranges.f32", np.float32)
-    ours.process.stdin.close()
-    ours.process.wait()
+    ours.close()
 
-    million = 1e-6 * about["rays"]
-    print(f"\n{about['triangles']} triangles, {about['rays']} rays, best of {rounds} rounds; "
-          f"asami's hierarchy is built in {about['build_s']:.2f} s")
     fastest = min(seconds for name, seconds in best.items() if name.startswith("asami"))
-    for name, seconds in sorted(best.items(), key=lambda row: row[1]):
-        print(f"{name:40} {million / seconds:8.2f} Mray/s   asami is {seconds / fastest:6.2f} times as fast")
     truth = next((ranges[name] for name in ranges if name.startswith("Embree, 1 ")), None)
-    for name, other in ranges.items() if truth is not None else []:
+
+    def apart(name):
+        other = ranges.get("asami" if name.startswith("asami") else name)
+        if truth is None or other is None:
+            return ""
         with np.errstate(invalid="ignore"):
-            apart = np.abs(other - truth)
-        apart[np.isinf(other) & np.isinf(truth)] = 0.0
-        print(f"{name:40} {np.count_nonzero(apart > 1e-3):8} rays off Embree's single rays by more than 1 mm")
+            off = np.abs(other - truth)
+        off[np.isinf(other) & np.isinf(truth)] = 0.0
+        return str(np.count_nonzero(off > 1e-3))
+
+    rows = sorted(best.items(), key=lambda row: row[1])
+    return [[str(about["triangles"]), name, f"{1e-6 * about['rays'] / seconds:.1f}", f"{seconds / fastest:.2f}", apart(name)]
+            for name, seconds in rows], about["rays"]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--detail", type=float, nargs="+", default=[0.0, 0.9], help="towns' detail, 0 to 1 (default 0 and 0.9)")
     parser.add_argument("--rounds", type=int, default=5, help="how often each is timed (default 5)")
+    parser.add_argument("--table", type=pathlib.Path, help="writes the table there, in Markdown")
     arguments = parser.parse_args()
+    rows, rays = [], 0
     for detail in arguments.detail:
         with tempfile.TemporaryDirectory() as folder:
-            compare(folder, detail, arguments.rounds)
+            found, rays = compare(folder, detail, arguments.rounds)
+        rows += found
+    below = (f"{rays} rays of a Velodyne that drives through a town, bundled by 64 as asami casts them; one thread each, best of {arguments.rounds} rounds, "
+             "asami in the release profile.")
+    table(["triangles", "caster", "million rays a second", "times asami's time", "rays off Embree's single ones by more than 1 mm"], rows, below, arguments.table)
 
 
 if __name__ == "__main__":

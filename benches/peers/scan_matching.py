@@ -46,7 +46,7 @@ try:
 except ImportError as missing:
     sys.exit(f"scan_matching.py needs the Python package {missing.name!r}: pip install numpy small_gicp==1.0.1 kiss-icp==1.3.0")
 
-from example import Example, built
+from example import Example, built, table
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 KITTI = ROOT.parent / "shared" / "data" / "kitti_drive0005"
@@ -244,14 +244,6 @@ HEADS = ["drive", "step", "steps", "method", "speed (m/s)", "turning (rad/s)", "
          "asami less it, turning", "ms per pair"]
 
 
-def markdown(rows, rounds, profile):
-    lines = ["| " + " | ".join(HEADS) + " |", "|" + "---|" * len(HEADS)]
-    lines += ["| " + " | ".join(row) + " |" for row in rows]
-    lines += ["", f"Root mean square errors; 95 % intervals of asami's less the peer's by a paired bootstrap (of five turns, asami matching every half "
-              f"second); processor time, one thread each, median of {rounds} rounds, asami in the {profile} profile."]
-    return "\n".join(lines) + "\n"
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--drive", nargs="+", choices=["kitti", "simulated"], default=["kitti", "simulated"])
@@ -271,11 +263,10 @@ def main():
     if "simulated" in arguments.drive:
         source = ["scenarios/car.toml", arguments.seed, arguments.seconds]
         rows += compare(f"car, seed {arguments.seed}", source, program, rounds)
-    table = markdown(rows, rounds, "release" if arguments.release else "dev")
-    print(table, end="")
-    if arguments.table:
-        arguments.table.parent.mkdir(parents=True, exist_ok=True)
-        arguments.table.write_text(table)
+    profile = "release" if arguments.release else "dev"
+    below = (f"Root mean square errors; 95 % intervals of asami's less the peer's by a paired bootstrap (of five turns, asami matching every half "
+             f"second); processor time, one thread each, median of {rounds} rounds, asami in the {profile} profile.")
+    table(HEADS, rows, below, arguments.table)
 
 
 if __name__ == "__main__":
