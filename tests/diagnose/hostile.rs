@@ -1,11 +1,11 @@
 //! Logs as nobody would wish them: each gives an answer that says what it rests on, or a sentence on what the log lacks.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use asami_dataset::{Command, Dataset, Frame, Log, Sighting, store};
 use asami_gap::answer::diagnosis::Verdict;
 
-use crate::{Bench, answer, kept_library, said};
+use crate::{Bench, answer, files, kept_library, said};
 
 /// Writes a changed log as a data set of its own.
 fn cut(bench: &Bench, whole: &Log, name: &str, change: &dyn Fn(&mut Log)) -> PathBuf {
@@ -119,19 +119,9 @@ fn what_shows_little_is_diagnosed_with_a_note() {
     }
 }
 
-/// Everything below a folder, by name.
-fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
-    let mut found: Vec<_> = std::fs::read_dir(folder).expect("a folder").flatten().map(|entry| entry.path()).collect();
-    found.sort();
-    found
-        .into_iter()
-        .map(|path| (path.file_name().expect("a name").into(), std::fs::read(&path).expect("there")))
-        .collect()
-}
-
-/// A diagnosis of a withheld case is the same to the byte with keys and without, and on one thread and on two.
+/// A diagnosis of a withheld case is the same to the byte with keys and without.
 #[test]
-fn without_keys_and_on_any_threads_every_byte_is_the_same() {
+fn without_keys_every_byte_is_the_same() {
     let bench = Bench::new();
     let (scenario, out) = (bench.path("small.toml"), bench.path("withheld"));
     let arguments = ["--withhold", "--salt", "keyless", "--cases", "2", "--duration-s", "100", "-o"];
@@ -145,15 +135,4 @@ fn without_keys_and_on_any_threads_every_byte_is_the_same() {
     let second = bench.diagnose_with(&kept_library(), &case, "without_keys", &[]);
     assert_eq!(first.stdout, second.stdout);
     assert_eq!(files(&bench.path("with_keys")), files(&bench.path("without_keys")));
-
-    // A library of its own, made and read by one thread.
-    let (nominal, out) = (bench.path("small.toml"), bench.path("one_thread"));
-    let alone = std::process::Command::new(env!("CARGO_BIN_EXE_diagnose"))
-        .env("RAYON_NUM_THREADS", "1")
-        .args(["--calibrate", "0", "--nominal", crate::utf8(&nominal), "-o", crate::utf8(&out), "--libraries"])
-        .args([&bench.path("libraries"), &case])
-        .output()
-        .expect("starts");
-    assert_eq!(first.stdout, alone.stdout);
-    assert_eq!(files(&bench.path("with_keys")), files(&out));
 }

@@ -77,21 +77,32 @@ impl Bench {
         self.diagnose_with(&self.path("libraries"), log, out, more)
     }
 
-    fn diagnose_with(&self, libraries: &Path, log: &Path, out: &str, more: &[&str]) -> Output {
-        let (nominal, out) = (self.path("small.toml"), self.path(out));
-        let fixed = [
-            "--calibrate",
-            "0",
-            "--nominal",
-            utf8(&nominal),
-            "--libraries",
-            utf8(libraries),
-            "-o",
-            utf8(&out),
-            utf8(log),
-        ];
-        run(env!("CARGO_BIN_EXE_diagnose"), &[&fixed, more].concat())
+    /// On one thread.
+    fn diagnose_alone(&self, log: &Path, out: &str) -> Output {
+        let mut command = self.command(&self.path("libraries"), log, out);
+        command.env("RAYON_NUM_THREADS", "1").output().expect("the program starts")
     }
+
+    fn diagnose_with(&self, libraries: &Path, log: &Path, out: &str, more: &[&str]) -> Output {
+        self.command(libraries, log, out).args(more).output().expect("the program starts")
+    }
+
+    fn command(&self, libraries: &Path, log: &Path, out: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_diagnose"));
+        command.args(["--calibrate", "0", "--nominal"]).arg(self.path("small.toml"));
+        command.arg("--libraries").arg(libraries).arg("-o").arg(self.path(out)).arg(log);
+        command
+    }
+}
+
+/// Everything in a folder, by name.
+fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut found: Vec<_> = std::fs::read_dir(folder).expect("a folder").flatten().map(|entry| entry.path()).collect();
+    found.sort();
+    found
+        .into_iter()
+        .map(|path| (path.file_name().expect("a name").into(), std::fs::read(&path).expect("there")))
+        .collect()
 }
 
 /// A library that is kept from test to test and from run to run, under the hash of what it hangs on.
@@ -109,12 +120,12 @@ fn answer(folder: &Path) -> Diagnosis {
 }
 
 /// A late command is named from its log alone; the scenario written with it generates such logs; what was played is
-/// kept, and a second run gives the same bytes.
+/// kept, and a second run gives the same bytes, as does one whose library was made by other threads than one alone.
 #[test]
 fn a_planted_effect_is_named_and_repaired() {
     let bench = Bench::new();
     let log = bench.log("late", "1003", &["command_delay.delay_s=0.15"]);
-    let first = bench.diagnose(&log, "first", &[]);
+    let first = bench.diagnose_alone(&log, "first");
     assert_eq!(first.status.code(), Some(0), "{}", said(&first.stderr));
     let (text, heard) = (said(&first.stdout), said(&first.stderr));
     assert!(text.contains("named: command_delay"), "{text}");
@@ -141,10 +152,13 @@ fn a_planted_effect_is_named_and_repaired() {
     assert!(!page.contains("NaN") && !page.contains("src=\"http"));
 
     let second = bench.diagnose(&log, "second", &[]);
-    assert_eq!(first.stdout, second.stdout);
     assert!(!said(&second.stderr).contains("responses to effects"), "{}", said(&second.stderr));
-    let bytes = ["first", "second"].map(|out| std::fs::read(bench.path(out).join("diagnosis.json")).expect("written"));
-    assert!(bytes[0] == bytes[1]);
+    // By a library that all threads made, and all read.
+    let third = bench.diagnose_with(&kept_library(), &log, "third", &[]);
+    for (run, out) in [(&second, "second"), (&third, "third")] {
+        assert_eq!(first.stdout, run.stdout);
+        assert_eq!(files(&folder), files(&bench.path(out)));
+    }
 
     // Without it in the catalogue, it is not named, and an older repair is removed.
     let without = bench.diagnose(&log, "first", &["--without", "command_delay"]);
