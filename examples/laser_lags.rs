@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Writes `signals.i16` into FOLDER (laser by laser; -32768: no return) and prints a line of JSON. Then, for every line on its standard
-//! input: `correlate` correlates all adjacent pairs by Fourier transform, prints seconds of the thread's own time and writes `coefficients.f64` and
-//! `counts.i64`; `direct N` sums N of the pairs, spread evenly, by the definition at every lag, prints the seconds, the pairs and how far the others
+//! input: `correlate` correlates all adjacent pairs by Fourier transform, prints seconds of the thread's own time and writes `coefficients.f64`;
+//! `direct N` sums N of the pairs, spread evenly, by the definition at every lag, prints the seconds, the pairs and how far the others
 //! are off.
 
 #[path = "beside_peers/mod.rs"]
@@ -50,7 +50,6 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let seconds = thread_s() - begun_s;
                 let all = found.iter().flat_map(|it| &it.coefficients);
                 write(&folder.join("coefficients.f64"), all.map(|v| v.to_le_bytes()))?;
-                write(&folder.join("counts.i64"), found.iter().flat_map(|it| &it.counts).map(|v| v.to_le_bytes()))?;
                 json!({ "seconds": seconds, "pairs": adjacent.len() })
             }
         };

@@ -18,11 +18,9 @@ Each has one thread; what counts is the processor's time, by turns `--rounds` ti
 
 import argparse
 import importlib.metadata
-import json
 import os
 import pathlib
 import statistics
-import subprocess
 import sys
 import tempfile
 import time

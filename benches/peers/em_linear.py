@@ -35,7 +35,6 @@ import resource
 import statistics
 import subprocess
 import sys
-import time
 
 from example import built, table
 
