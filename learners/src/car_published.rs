@@ -40,7 +40,7 @@ impl CarPublished {
         Car {
             sensor: Sensor { most_lag_rad: self.most_lag_deg.to_radians(), ..Sensor::published() },
             interval_s: self.scan_interval_s,
-            cut: Cut { lowest_m: -self.ground_below_m, square_m: 0.0 },
+            cut: Cut { lowest_m: -self.ground_below_m, ..Car::published().cut },
             matching: Matching { gate_m: self.gate_m, ..Matching::published() },
             slow_m_per_s: self.slow_m_per_s,
             max_iterations: self.max_iterations,

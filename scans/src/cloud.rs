@@ -3,6 +3,7 @@
 use asami_math::rigid::Rigid;
 
 use crate::drive::{Drive, Scan};
+use crate::upright::Upright;
 
 /// No return of a 16-bit range in units of 2 mm comes from farther.
 const REACH_M: f64 = 140.0;
@@ -12,6 +13,8 @@ const REACH_M: f64 = 140.0;
 pub struct Cut {
     /// Points lower than this over the sensor are left out: the ground moves with the car.
     pub lowest_m: f64,
+    /// Points of surfaces less steep than this, as a tangent, are left out: the ground again, where the car pitches; 0: none are.
+    pub least_slope: f64,
     /// Of the points of a square with this side one is kept, the lowest laser's first; 0: all are.
     pub square_m: f64,
 }
@@ -40,8 +43,12 @@ pub fn cloud(drive: &Drive<'_>, scan: &Scan, angles_rad: &[f64], cut: &Cut, goin
         (0..scan.end - scan.first).map(pose).collect()
     });
     let mut squares = Squares::new(cut.square_m);
+    let upright = Upright::new(drive, angles_rad, cut.least_slope);
     let mut points = Vec::new();
-    drive.returns(scan, angles_rad, cut.lowest_m, |_, firing, [x, y, _]| {
+    drive.returns(scan, angles_rad, cut.lowest_m, |laser, firing, [x, y, z]| {
+        if upright.as_ref().is_some_and(|it| !it.stands(laser, firing, (x * x + y * y).sqrt(), z)) {
+            return;
+        }
         let point =
             poses.get(firing - scan.first).map_or([x, y], |[s, c, px, py]| [c * x - s * y + px, s * x + c * y + py]);
         if squares.first(point) {

@@ -12,6 +12,7 @@ mod pairs;
 mod sensor;
 mod signal;
 mod thickness;
+mod upright;
 
 pub use angles::{Angles, chain, graph};
 pub use cloud::{Cut, Going, cloud};

@@ -86,7 +86,7 @@ impl Car {
         Self {
             sensor: Sensor::published(),
             interval_s: 0.5,
-            cut: Cut { lowest_m: -1.0, square_m: 0.0 },
+            cut: Cut { lowest_m: -1.0, least_slope: 0.0, square_m: 0.0 },
             matching: Matching::published(),
             start: Start::ActionModel,
             fit: Fit::Published,

@@ -25,13 +25,16 @@ pub struct Ride {
     pub theta_b_rad: f64,
     /// Lasers sit so far off the axis, by turns to the left and to the right.
     pub offset_m: f64,
+    /// The nose is so far up.
+    pub pitch_rad: f64,
     pub seed: u64,
 }
 
 impl Default for Ride {
     fn default() -> Self {
         let c = [0.2, 4.0, -0.3, -0.6, 0.001, 0.09];
-        Self { lasers: 12, turns: 150, firings: 780, c, theta_b_rad: 89.1f64.to_radians(), offset_m: 0.0, seed: 1000 }
+        let theta_b_rad = 89.1f64.to_radians();
+        Self { lasers: 12, turns: 150, firings: 780, c, theta_b_rad, offset_m: 0.0, pitch_rad: 0.0, seed: 1000 }
     }
 }
 
@@ -67,7 +70,9 @@ impl Ride {
                 let looks = theta + angles_rad[l] - turned;
                 let aside = if l % 2 == 0 { self.offset_m } else { -self.offset_m };
                 let from = [x - aside * looks.sin(), y + aside * looks.cos()];
-                let range_m = cast(&walls, from, looks, elevations[l]) + 0.02 * (rng.random::<f64>() - 0.5);
+                // As a small rotation sees it: up ahead, down behind.
+                let pitched = self.pitch_rad * (looks - theta - PI / 2.0).cos();
+                let range_m = cast(&walls, from, looks, elevations[l] + pitched) + 0.02 * (rng.random::<f64>() - 0.5);
                 let lost = rng.random::<f64>() < 0.02 || range_m > 120.0;
                 firings.range_2mm[l][i] = if lost { 0 } else { (range_m / 0.002).round() as u16 };
             }

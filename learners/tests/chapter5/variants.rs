@@ -101,8 +101,8 @@ fn scan_matching_ends_where_it_did_from_a_given_model() {
 }
 
 /// Root mean square errors of the motions from turn to turn, metres and radians, on a car that speeds up, brakes and turns.
-fn off_track(driven: &Driven, as_of: AsOf) -> [f64; 2] {
-    let (drive, car) = (Drive::try_from(&driven.log).unwrap(), CarLines::default().car());
+fn off_track(driven: &Driven, lines: CarLines, as_of: AsOf) -> [f64; 2] {
+    let (drive, car) = (Drive::try_from(&driven.log).unwrap(), lines.car());
     let scans = drive.scans(0.0);
     let (cut, matching, angles_rad) = (car.cut, car.matching, &driven.angles_rad);
     let odometry = Odometry { drive: &drive, scans: &scans, angles_rad, cut, matching, as_of };
@@ -125,6 +125,18 @@ fn off_track(driven: &Driven, as_of: AsOf) -> [f64; 2] {
 #[test]
 fn a_turns_middle_is_better_known_than_its_beginning() {
     let driven = Ride { turns: 60, ..Ride::default() }.drive();
-    let [beginning, middle] = [AsOf::Beginning, AsOf::Middle].map(|as_of| off_track(&driven, as_of));
+    let [beginning, middle] =
+        [AsOf::Beginning, AsOf::Middle].map(|as_of| off_track(&driven, CarLines::default(), as_of));
     assert!(middle[0] < 0.8 * beginning[0] && middle[1] < 0.8 * beginning[1], "{middle:?} and {beginning:?}");
+}
+
+/// With the nose up the ground ahead is higher than the cut; its rings go with the car.
+#[test]
+fn the_ground_is_left_out_where_the_car_pitches() {
+    let of = |pitch_deg: f64, least_slope: f64| {
+        let driven = Ride { turns: 60, pitch_rad: pitch_deg.to_radians(), ..Ride::default() }.drive();
+        off_track(&driven, CarLines { least_slope, ..CarLines::default() }, AsOf::Middle)[0]
+    };
+    let [level, fooled, pitched] = [of(0.0, 1.0), of(3.0, 0.0), of(3.0, 1.0)];
+    assert!(fooled > 5.0 * level && pitched < 1.5 * level, "{level} level, {fooled} and {pitched} with the nose up");
 }
