@@ -1,6 +1,6 @@
 //! Commands and the motion that came of them.
 
-use asami_dataset::{Action, Command, Dataset};
+use asami_dataset::{Action, Command};
 use asami_math::elementary::exp;
 use asami_math::statistics::median;
 
@@ -129,8 +129,7 @@ impl Left {
     }
 }
 
-pub(super) fn motion(dataset: &Dataset, windows: &mut [Window], own_lag_s: f64, capture: &mut Capture) {
-    let commands = &dataset.log.commands;
+pub(super) fn motion(commands: &[Command], windows: &mut [Window], own_lag_s: f64, capture: &mut Capture) {
     if windows.len() < LEAST || !commands.iter().any(|it| matches!(it.action, Action::Wheels { .. })) {
         return;
     }
