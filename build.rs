@@ -6,6 +6,9 @@ use std::process::Command;
 
 /// Nothing that learns a response uses what is in these (tests/arrows.rs): when they change, responses are as good as before.
 const LEARN_NOTHING: [&str; 3] = ["gap/src/answer", "gap/src/real", WEIGHS];
+/// Nor, of a robot among landmarks, what is in this; of a car all of it, and how its scans are read.
+const LEARNS_CARS: &str = "gap/src/drive";
+const READS_SCANS: &str = "scans/src";
 /// What planted cases are weighed by, beside responses.
 const WEIGHS: &str = "gap/src/weigh";
 
@@ -18,10 +21,17 @@ fn main() {
     for (ours, cargos) in [("ASAMI_TARGET", "TARGET"), ("ASAMI_PROFILE", "PROFILE")] {
         println!("cargo::rustc-env={ours}={}", std::env::var(cargos).unwrap_or_default());
     }
-    println!("cargo::rerun-if-changed=gap/src");
-    for (ours, folder, but) in [("ASAMI_LEARNS", "gap/src", &LEARN_NOTHING[..]), ("ASAMI_WEIGHS", WEIGHS, &[])] {
+    let [answer, real, weigh] = LEARN_NOTHING;
+    for (ours, folders, but) in [
+        ("ASAMI_LEARNS", &["gap/src"][..], &[answer, real, weigh, LEARNS_CARS][..]),
+        ("ASAMI_LEARNS_CARS", &["gap/src", READS_SCANS], &LEARN_NOTHING),
+        ("ASAMI_WEIGHS", &[WEIGHS], &[]),
+    ] {
         let mut hash = 0xcbf2_9ce4_8422_2325;
-        digest(Path::new(folder), but, &mut hash);
+        for folder in folders {
+            println!("cargo::rerun-if-changed={folder}");
+            digest(Path::new(folder), but, &mut hash);
+        }
         println!("cargo::rustc-env={ours}={hash:016x}");
     }
 }

@@ -185,3 +185,21 @@ fn what_is_kept_is_made_without_what_it_outlives() {
         }
     }
 }
+
+/// A library of robots among landmarks outlives a change of how cars are followed (build.rs): beside the name of the other kind of
+/// library, and of what can go wrong with it, nobody there may use it.
+#[test]
+fn what_is_kept_of_robots_among_landmarks_is_made_without_cars() {
+    let gap = root().join("gap/src");
+    let mut files = Vec::new();
+    collect(&gap, &mut files);
+    let others = ["drive", "answer", "real"].map(|folder| gap.join(folder));
+    files.retain(|file| file.extension().is_some_and(|it| it == "rs") && !file.ends_with("src/lib.rs"));
+    files.retain(|file| !others.iter().any(|folder| file.starts_with(folder)));
+    assert!(files.len() > 30, "{}", files.len());
+    for file in files {
+        let text = std::fs::read_to_string(&file).expect("a source file");
+        let text = text.replace("crate::drive::Drives", "").replace("crate::drive::motion::CannotFollow", "");
+        assert!(!text.contains("drive::") && !text.contains("asami_scans"), "{} uses cars", file.display());
+    }
+}

@@ -15,8 +15,10 @@ use serde::de::DeserializeOwned;
 use super::progress::Listener;
 use crate::scenario::{Robot, Simulation};
 
-/// The hash of the code by which responses are learned.
+/// The hash of the code by which responses of robots among landmarks are learned.
 const LEARNS: &str = env!("ASAMI_LEARNS");
+/// The hash of the code by which those of cars are.
+const LEARNS_CARS: &str = env!("ASAMI_LEARNS_CARS");
 /// The hash of the code by which planted cases are weighed with them.
 const WEIGHS: &str = env!("ASAMI_WEIGHS");
 /// Length of the runs that stand for a world, or an effect, in its hash.
@@ -145,8 +147,9 @@ impl Shelf<'_> {
     /// the first seconds.
     fn key(&self, nominal: &Simulation) -> Result<String, CannotPlay> {
         let world = Simulation { duration_s: 0.0, seeds: 0, first_seed: 0, ..nominal.clone() };
+        let learns = if nominal.robot == Robot::Car { LEARNS_CARS } else { LEARNS };
         // Serialising to memory fails only for maps with keys that are no strings: there are none.
-        let numbers = serde_json::to_string(&(LEARNS, &self.budget, &world)).unwrap_or_default();
+        let numbers = serde_json::to_string(&(learns, &self.budget, &world)).unwrap_or_default();
         Ok(hash(&format!("{numbers}\n{}", probe(nominal, &[])?)))
     }
 }

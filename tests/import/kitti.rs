@@ -92,7 +92,15 @@ fn the_track_is_the_scanners() {
     assert!((last.v_m_per_s.unwrap() - 2.15).abs() < 1e-12);
     let [v, omega] = asami::scorer::car::moved(track, 0.0, 2.0 * 0.1036).unwrap();
     assert!((v - 2.15).abs() < 1e-3 && (omega - 0.5).abs() < 1e-9, "{v} {omega}");
-    for wrong in ["P0: 1 2", "Tr_imu_to_velo: 1 0 0", "Tr_imu_to_velo: 1 0 0 nan 0 1 0 0.3 0 0 1 -0.8"] {
+    fs::write(dir.path().join("calib.txt"), "P0: 1 2\n").unwrap();
+    let unknown = read(dir.path()).unwrap();
+    assert!(
+        unknown.notes.iter().any(|note| note.contains("the navigation is where the unit is")),
+        "{:?}",
+        unknown.notes
+    );
+    assert_eq!(unknown.dataset.truth.track[0].x_m, 0.0);
+    for wrong in ["Tr_imu_to_velo: 1 0 0", "Tr_imu_to_velo: 1 0 0 nan 0 1 0 0.3 0 0 1 -0.8"] {
         fs::write(dir.path().join("calib.txt"), wrong).unwrap();
         let said = read(dir.path()).unwrap_err().to_string();
         assert!(said.contains("must be a row of Tr_imu_to_velo"), "{said}");

@@ -26,8 +26,8 @@ const RULE: &str = "must be a row of Tr_imu_to_velo: 12 finite numbers, three ro
 const LONGEST_BYTES: u64 = 1 << 16;
 
 /// Reads `Tr_imu_to_velo` (Geiger, Lenz, Stiller and Urtasun 2013): it takes the navigation unit's coordinates, x forward and y left, to the
-/// scanner's.
-pub(super) fn read(file: &Path) -> Result<Lever, ImportError> {
+/// scanner's. `None` where the file has no such row.
+pub(super) fn read(file: &Path) -> Result<Option<Lever>, ImportError> {
     let mut text = String::new();
     let read = std::io::Read::read_to_string(&mut std::io::Read::take(open(file)?, LONGEST_BYTES), &mut text);
     read.map_err(|error| ImportError::Unreadable { file: file.to_owned(), why: error.to_string() })?;
@@ -38,13 +38,13 @@ pub(super) fn read(file: &Path) -> Result<Lever, ImportError> {
         rule: RULE,
         found: found.to_owned(),
     };
-    let rows = (1..).zip(text.lines()).find_map(|(line, row)| Some((line, row.trim().strip_prefix(NAME)?)));
-    let (line, row) = rows.ok_or_else(|| wrong(1, "none"))?;
+    let found = (1..).zip(text.lines()).find_map(|(line, row)| Some((line, row.trim().strip_prefix(NAME)?)));
+    let Some((line, row)) = found else { return Ok(None) };
     let numbers: Option<Vec<f64>> = row.trim_start_matches(':').split_whitespace().map(|it| it.parse().ok()).collect();
     let numbers = numbers.filter(|all| all.iter().all(|it| it.is_finite())).ok_or_else(|| wrong(line, row.trim()))?;
     let [a, b, _, x, c, d, _, y, e, f, _, z] = numbers[..] else { return Err(wrong(line, row.trim())) };
     // Where p = R q + t is zero: q = -R^T t.
-    Ok(Lever { ahead_m: -(a * x + c * y + e * z), left_m: -(b * x + d * y + f * z) })
+    Ok(Some(Lever { ahead_m: -(a * x + c * y + e * z), left_m: -(b * x + d * y + f * z) }))
 }
 
 impl Lever {

@@ -61,7 +61,7 @@ const WU: usize = 22;
 /// # Errors
 /// [`ImportError`] where there is no such drive, or it is not as documented above.
 pub fn read(source: &Path) -> Result<Imported, ImportError> {
-    let lever = find(source, "calib.txt").map(|file| lever::read(&file)).transpose()?;
+    let lever = find(source, "calib.txt").map(|file| lever::read(&file)).transpose()?.flatten();
     let track = track(&of_folder(source, "oxts.txt", HINT)?, lever.unwrap_or_default())?;
     let firings = firings(&pictures(&source.join("range"))?)?;
     let turns = firings.t_s.last().map_or(0.0, |last| (last / TURN_S).ceil());
@@ -79,7 +79,9 @@ pub fn read(source: &Path) -> Result<Imported, ImportError> {
                     "found: the unit is {ahead_m:.2} m ahead of the navigation and {left_m:.2} m to its left; the track is the unit's"
                 )
             }
-            None => "assumed: the navigation is where the unit is".to_owned(),
+            None => {
+                "assumed: the navigation is where the unit is, for no calib.txt has a row Tr_imu_to_velo".to_owned()
+            }
         },
     ];
     let velodyne = Velodyne {
