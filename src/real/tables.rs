@@ -216,8 +216,8 @@ fn held(results: &Results) -> Table {
     let mut table = Table::new("Sizes found in real logs, beside motion capture", &heads).caption(
         "Motion capture's numbers are each of its own discrepancy alone: the best delay or the best lag, not both at once; a car's, \
          by inertial navigation, are of all three of its steering together; a lag \
-         is on top of the nominal robot's own. A log alone cannot tell a camera that is late from motors that are: capture's poses \
-         are set as late as sightings are, by their bearings. Nor can it tell how a camera is turned against the way that the robot goes.",
+         is on top of the nominal robot's own. Capture has a clock and a heading of its own: what a camera is late, or turned \
+         against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing.",
     );
     for record in results.records.iter().filter(|record| record.part == Part::Whole) {
         let Some(cause) = record.diagnosis.as_ref().and_then(said) else { continue };

@@ -4,11 +4,9 @@
 //! Motion is measured over windows of a second, of which truth is known throughout: the way forward in the robot's frame
 //! against the commanded speed's integral, the turn against the commanded turning rate's integral and the way; commands act
 //! some time later, all at once or as through a lag. The frame that capture gives a robot hangs on how its markers were put
-//! on: ahead is where the robot goes when it is not turning. Its clock
-//! is another than the log's, which has no other than its sightings': poses are taken to be as late as these are. Windows in which a robot does something else altogether (it is
+//! on: ahead is where the robot goes when it is not turning. Windows in which a robot does something else altogether (it is
 //! held up, or its own reflexes overrule what it is told) count for nothing. Nothing here is given to a diagnosis.
 
-mod late;
 mod motion;
 mod sightings;
 pub mod steering;
@@ -75,13 +73,11 @@ fn ahead(windows: &[Window]) -> f64 {
 #[must_use]
 pub fn capture(dataset: &Dataset, own_lag_s: f64) -> Capture {
     let mut capture = Capture::default();
-    let ahead_rad = ahead(&windows(&dataset.truth.track));
-    let late_s = late::late_s(dataset, ahead_rad);
-    let track = late::by_sightings(&dataset.truth.track, late_s);
-    let mut windows = windows(&track);
+    let mut windows = windows(&dataset.truth.track);
+    let ahead_rad = ahead(&windows);
     windows.iter_mut().for_each(|window| window.look(ahead_rad));
-    motion::motion(&dataset.log.commands, &mut windows, own_lag_s, &mut capture);
-    sightings::sightings(&dataset.log, &track, ahead_rad, &mut capture);
+    motion::motion(dataset, &mut windows, own_lag_s, &mut capture);
+    sightings::sightings(dataset, ahead_rad, &mut capture);
     capture
 }
 
@@ -181,22 +177,6 @@ mod tests {
         near("wheel_lag.lag_s", less + 0.03, 1e-9);
         let at_once = capture(&log(0.0, 0.0), 0.0).shares;
         assert!(at_once[0].0 == "scale" && at_once[0].1 > 0.9, "{at_once:?}");
-    }
-
-    /// By a log alone a camera that is late cannot be told from motors that are.
-    #[test]
-    fn what_sightings_are_late_by_commands_are_too() {
-        let (in_time, mut late) = (log(0.3, 0.0), log(0.3, 0.0));
-        let stamped = |seen: &Sighting| Sighting { t_s: seen.t_s + 0.1, ..*seen };
-        late.log.sightings = late.log.sightings.iter().map(stamped).collect::<Vec<_>>().into();
-        let (before, after) = (capture(&in_time, 0.0).values, capture(&late, 0.0).values);
-        for (name, value) in &before {
-            let by = if name == "command_delay.delay_s" { 0.1 } else { 0.0 };
-            if name != "wheel_lag.lag_s" {
-                assert!((after[name] - value - by).abs() < 0.021, "{name}: {}, not {value} + {by}", after[name]);
-            }
-        }
-        assert!(after["wheel_lag.lag_s"] > before["wheel_lag.lag_s"] + 0.03, "{after:?}, {before:?}");
     }
 
     /// How markers were put on a robot says nothing of the robot.

@@ -1,6 +1,6 @@
 //! Commands and the motion that came of them.
 
-use asami_dataset::{Action, Command};
+use asami_dataset::{Action, Command, Dataset};
 use asami_math::elementary::exp;
 use asami_math::statistics::median;
 
@@ -129,7 +129,8 @@ impl Left {
     }
 }
 
-pub(super) fn motion(commands: &[Command], windows: &mut [Window], own_lag_s: f64, capture: &mut Capture) {
+pub(super) fn motion(dataset: &Dataset, windows: &mut [Window], own_lag_s: f64, capture: &mut Capture) {
+    let commands = &dataset.log.commands;
     if windows.len() < LEAST || !commands.iter().any(|it| matches!(it.action, Action::Wheels { .. })) {
         return;
     }

@@ -1,7 +1,7 @@
 //! Sightings and where landmarks were.
 
 use asami_dataset::truth::pose_at;
-use asami_dataset::{Known, Log, Sighting, Size, TruePose};
+use asami_dataset::{Dataset, Size};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, cos, hypot, sin_cos};
 use asami_math::statistics::median;
@@ -9,15 +9,25 @@ use asami_math::statistics::median;
 use super::{Capture, LEAST, OUTLIER, ROUNDS};
 
 /// Ranges against distances and depths, bearings against bearings from where ahead is.
-pub(super) fn sightings(log: &Log, track: &[TruePose], ahead_rad: f64, capture: &mut Capture) {
-    let row = |seen: &Sighting| {
-        let Size::RangeM(range_m) = seen.size else { return None };
-        let pose = pose_at(track, seen.t_s)?;
-        let [distance_m, bearing_rad] = view(&log.known, seen.landmark, &pose, ahead_rad)?;
-        let shortened_m = distance_m * (1.0 - cos(bearing_rad));
-        Some(([1.0, distance_m, -shortened_m], range_m, wrap_rad(seen.bearing_rad - bearing_rad)))
-    };
-    let rows: Vec<([f64; 3], f64, f64)> = log.sightings.iter().filter_map(row).collect();
+pub(super) fn sightings(dataset: &Dataset, ahead_rad: f64, capture: &mut Capture) {
+    let log = &dataset.log;
+    let [right_m, ahead_m] = log.known.range_bearing.as_ref().map_or([0.0; 2], |it| it.sensor_origin_m);
+    let rows: Vec<([f64; 3], f64, f64)> = log
+        .sightings
+        .iter()
+        .filter_map(|seen| {
+            let Size::RangeM(range_m) = seen.size else { return None };
+            let landmark = log.known.landmarks.iter().find(|it| it.id == seen.landmark)?;
+            let pose = pose_at(&dataset.truth.track, seen.t_s)?;
+            let theta_rad = pose.theta_rad + ahead_rad;
+            let (sin, cos_theta) = sin_cos(theta_rad);
+            let dx = landmark.x_m - pose.x_m - right_m * cos_theta + ahead_m * sin;
+            let dy = landmark.y_m - pose.y_m - right_m * sin - ahead_m * cos_theta;
+            let (distance_m, bearing_rad) = (hypot(dx, dy), wrap_rad(atan2(-dx, dy) - theta_rad));
+            let shortened_m = distance_m * (1.0 - cos(bearing_rad));
+            Some(([1.0, distance_m, -shortened_m], range_m, wrap_rad(seen.bearing_rad - bearing_rad)))
+        })
+        .collect();
     if rows.len() < LEAST {
         return;
     }
@@ -39,17 +49,6 @@ pub(super) fn sightings(log: &Log, track: &[TruePose], ahead_rad: f64, capture: 
         ("pan_offset.offset_rad", offset_rad),
     ];
     capture.values.extend(values.map(|(name, value)| (name.to_owned(), value)));
-}
-
-/// Distance and bearing of a landmark from the sensor of a robot in a pose that goes so far to the left of where it looks.
-pub(super) fn view(known: &Known, landmark: u16, pose: &TruePose, ahead_rad: f64) -> Option<[f64; 2]> {
-    let [right_m, ahead_m] = known.range_bearing.as_ref().map_or([0.0; 2], |it| it.sensor_origin_m);
-    let landmark = known.landmarks.iter().find(|it| it.id == landmark)?;
-    let theta_rad = pose.theta_rad + ahead_rad;
-    let (sin, cos_theta) = sin_cos(theta_rad);
-    let dx = landmark.x_m - pose.x_m - right_m * cos_theta + ahead_m * sin;
-    let dy = landmark.y_m - pose.y_m - right_m * sin - ahead_m * cos_theta;
-    Some([hypot(dx, dy), wrap_rad(atan2(-dx, dy) - theta_rad)])
 }
 
 /// The solution of the normal equations in three unknowns; a column that is always 0 has none, and counts nothing.
