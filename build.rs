@@ -6,8 +6,9 @@ use std::process::Command;
 
 /// Nothing that learns a response uses what is in these (tests/arrows.rs): when they change, responses are as good as before.
 const LEARN_NOTHING: [&str; 3] = ["gap/src/answer", "gap/src/real", WEIGHS];
-/// Nor, of a robot among landmarks, what is in this; of a car all of it, and how its scans are read.
-const LEARNS_CARS: &str = "gap/src/drive";
+/// Nor does what learns a response of a robot among landmarks use what is in this (tests/arrows.rs).
+const FOLLOWS_CARS: &str = "gap/src/drive";
+/// What that reads scans by.
 const READS_SCANS: &str = "scans/src";
 /// What planted cases are weighed by, beside responses.
 const WEIGHS: &str = "gap/src/weigh";
@@ -21,9 +22,9 @@ fn main() {
     for (ours, cargos) in [("ASAMI_TARGET", "TARGET"), ("ASAMI_PROFILE", "PROFILE")] {
         println!("cargo::rustc-env={ours}={}", std::env::var(cargos).unwrap_or_default());
     }
-    let [answer, real, weigh] = LEARN_NOTHING;
+    let nor_cars = [&LEARN_NOTHING[..], &[FOLLOWS_CARS]].concat();
     for (ours, folders, but) in [
-        ("ASAMI_LEARNS", &["gap/src"][..], &[answer, real, weigh, LEARNS_CARS][..]),
+        ("ASAMI_LEARNS", &["gap/src"][..], &nor_cars[..]),
         ("ASAMI_LEARNS_CARS", &["gap/src", READS_SCANS], &LEARN_NOTHING),
         ("ASAMI_WEIGHS", &[WEIGHS], &[]),
     ] {

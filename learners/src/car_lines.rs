@@ -7,8 +7,9 @@ use crate::learner::{CannotLearn, Learned, Learner, learner};
 use crate::lidar::{Car, Cut, Matching, Start};
 
 learner! {
-    /// As `car_graph`, but for the matching: each point is set back to where it would have been seen at the scan's middle, the ground is left out where the car pitches, too, points are drawn to lines
-    /// through the other scan's points with robust weights, the gate shrinks, and matching begins at the motion before.
+    /// As `car_graph`, but for the matching: each point is set back to where it would have been seen at the scan's middle, the ground
+    /// is left out where the car pitches, too, points are drawn to lines through the other scan's points with robust weights, the gate
+    /// shrinks, and matching begins at the motion before.
     CarLines, "car_lines",
     "As car_graph, but with scans freed of the car's motion and matched point to line from the motion before.",
     source "this project; Chen and Medioni 1991", needs Firings,

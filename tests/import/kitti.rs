@@ -81,11 +81,8 @@ fn the_track_is_the_scanners() {
     drive(dir.path(), |_, _| None);
     fs::write(dir.path().join("calib.txt"), "P0: 1 2\nTr_imu_to_velo: 1 0 0 -0.8 0 1 0 0.3 0 0 1 -0.8\n").unwrap();
     let found = read(dir.path()).unwrap();
-    assert!(
-        found.notes.iter().any(|note| note.contains("0.80 m ahead of the navigation and -0.30 m")),
-        "{:?}",
-        found.notes
-    );
+    let says = |notes: &[String], what: &str| assert!(notes.iter().any(|note| note.contains(what)), "{notes:?}");
+    says(&found.notes, "0.80 m ahead of the navigation and -0.30 m");
     let track = &found.dataset.truth.track;
     let (first, last) = (track[0], track[2]);
     assert!((first.x_m - 0.3).abs() < 1e-12 && (first.y_m - 0.8).abs() < 1e-12, "{first:?}");
@@ -94,11 +91,7 @@ fn the_track_is_the_scanners() {
     assert!((v - 2.15).abs() < 1e-3 && (omega - 0.5).abs() < 1e-9, "{v} {omega}");
     fs::write(dir.path().join("calib.txt"), "P0: 1 2\n").unwrap();
     let unknown = read(dir.path()).unwrap();
-    assert!(
-        unknown.notes.iter().any(|note| note.contains("the navigation is where the unit is")),
-        "{:?}",
-        unknown.notes
-    );
+    says(&unknown.notes, "the navigation is where the unit is");
     assert_eq!(unknown.dataset.truth.track[0].x_m, 0.0);
     for wrong in ["Tr_imu_to_velo: 1 0 0", "Tr_imu_to_velo: 1 0 0 nan 0 1 0 0.3 0 0 1 -0.8"] {
         fs::write(dir.path().join("calib.txt"), wrong).unwrap();

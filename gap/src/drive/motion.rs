@@ -78,6 +78,7 @@ impl<'a> Moved<'a> {
         let sensor = Sensor::graph(20.0, 30.0, 2.0).over(4, 0.1, MOST_TURNS);
         let relative_rad = sensor.learn(&drive)?.angle_rad;
         let scans = drive.scans(interval_s);
+        // Half a second apart the ground misleads hardly: .0057 m/s with it, .0055 without.
         let cut = Cut { lowest_m: -1.0, least_slope: 0.0, square_m: 0.1 };
         let matching = Matching::lines(0.1);
         let odometry =

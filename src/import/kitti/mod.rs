@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `range/*.png` | one revolution each, in order of name: 16-bit grey, a column a firing; rows 0 to 63 the ranges in units of 2 mm (0: no return), lasers by increasing vertical angle; row 64 the encoder's angle, clockwise, hundredths of a degree |
 //! | `oxts.txt` | KITTI's 30 columns, a row a revolution; of these the forward speed and the rate of turn are read |
-//! | `calib.txt` | may be absent; its row `Tr_imu_to_velo` says where the navigation unit stands |
+//! | `calib.txt` | may be absent, or have no such row: `Tr_imu_to_velo` says where the navigation unit stands |
 //!
 //! Columns go by the encoder's angle from ahead on, but a revolution begins and ends where the unit looks back: what a picture shows
 //! first was measured last. (Ranges run on from a picture's last column to its first one, and jump in its middle.) A row of navigation is
