@@ -1,5 +1,6 @@
 //! Sizes at which an effect is played, and what it does between them.
 
+use asami_math::decomposition::{cholesky, cholesky_solve, dot};
 use asami_math::elementary::{exp, ln};
 
 use crate::plant::Variant;
@@ -46,6 +47,27 @@ pub fn curved(sizes: &[f64], size: f64, scale: fn(f64) -> f64) -> Vec<f64> {
 #[must_use]
 pub fn through(sizes: &[f64], of: std::ops::Range<usize>, size: f64) -> Vec<f64> {
     lagrange(sizes, of, |size| size, size, |at| size / at)
+}
+
+/// Weights on the cubic smoothing spline through nothing at no size (Kimeldorf and Wahba 1970): near to a straight line where sizes
+/// are small, so that all of them steady what each of few logs says by itself, and near to what was found where they are large and
+/// far apart. `bends` is the variance of its second derivative over shares of the greatest size, in that of what is found.
+#[must_use]
+pub fn smoothed(sizes: &[f64], size: f64, bends: f64) -> Vec<f64> {
+    let greatest = sizes.last().copied().unwrap_or(1.0);
+    let shares: Vec<f64> = sizes.iter().map(|size| size / greatest).collect();
+    let covariance = |a: f64, b: f64| bends * a.min(b) * a.min(b) * (3.0 * a.max(b) - a.min(b)) / 6.0;
+    let row = |a: f64| shares.iter().map(|b| covariance(a, *b)).collect::<Vec<f64>>();
+    let mut found: Vec<Vec<f64>> = shares.iter().map(|share| row(*share)).collect();
+    found.iter_mut().enumerate().for_each(|(i, row)| row[i] += 1.0);
+    // What is not a number has no curve either.
+    let Some(l) = cholesky(&found) else { return vec![f64::NAN; sizes.len()] };
+    let line = cholesky_solve(&l, &shares);
+    let information = dot(&shares, &line);
+    let at = size / greatest;
+    let near = cholesky_solve(&l, &row(at));
+    let slope = (at - dot(&shares, &near)) / information;
+    near.iter().zip(&line).map(|(near, line)| near + slope * line).collect()
 }
 
 /// Weights on the polynomial in `scale` of the size through some of the sizes (Lagrange); `besides` is what further points, at
@@ -107,6 +129,52 @@ mod tests {
         for size in [0.02, 0.1, 0.5, 1.1, 2.0] {
             let found = at(&through(&SIZES, 1..4, size), cubic);
             assert!((found - cubic(size)).abs() < 1e-12, "{size}: {found}");
+        }
+    }
+
+    /// Where nothing bends, the line by least squares; where all may bend at will, what was found; between them, small sizes take
+    /// after large ones.
+    #[test]
+    fn a_smoothing_spline_lies_between_a_line_and_what_was_found() {
+        let found = |size: f64| 2.0 * size - 0.4 * size * size;
+        let squares = SIZES.iter().fold(0.0, |sum, size| sum + size * size);
+        let slope = SIZES.iter().fold(0.0, |sum, size| sum + size * found(*size)) / squares;
+        for size in SIZES {
+            let [stiff, some, none] = [0.0, 1e2, 1e12].map(|bends| smoothed(&SIZES, size, bends));
+            assert!((at(&stiff, found) - slope * size).abs() < 1e-9, "{size}");
+            assert!((at(&none, found) - found(size)).abs() < 1e-6, "{size}");
+            let spread = some.iter().fold(0.0, |sum, weight| sum + weight * weight).sqrt();
+            assert!(spread < 1.0 && (size > 0.1 || spread < 0.5), "{size}: {spread}");
+            assert!((at(&some, |size| 3.0 * size) - 3.0 * size).abs() < 1e-9, "a line is found again at {size}");
+        }
+        let spread =
+            |size: f64| smoothed(&SIZES, size, 1e2).iter().fold(0.0, |sum, weight| sum + weight * weight).sqrt();
+        assert!(spread(0.05) < 0.6 * spread(0.1), "{} {}", spread(0.05), spread(0.1));
+        assert!(spread(2.0) > 0.9, "{}", spread(2.0));
+    }
+
+    /// The spline that comes nearest is the one that has the least of a sum of squares and of bending: no other values at the sizes,
+    /// with the natural spline through them, have less.
+    #[test]
+    fn no_other_curve_has_less_of_misfit_and_bending() {
+        let bends = 50.0;
+        let found = |size: f64| (3.0 * size).sin();
+        // Of the natural spline through values, bending is the integral of its second derivative's square: by finite differences.
+        let cost = |curve: &dyn Fn(f64) -> f64| {
+            let misfit = SIZES.iter().fold(0.0, |sum, size| sum + (curve(*size) - found(*size)).powi(2));
+            let h = 1e-3;
+            let second = |u: f64| (curve((u - h) * 2.0) - 2.0 * curve(u * 2.0) + curve((u + h) * 2.0)) / (h * h);
+            let bending = (1..999).fold(0.0, |sum, i| sum + second(f64::from(i) * 1e-3).powi(2) * 1e-3);
+            misfit + bending / bends
+        };
+        let spline = |size: f64| at(&smoothed(&SIZES, size, bends), found);
+        let least = cost(&spline);
+        let others: [fn(f64) -> f64; 3] = [|u| u, |u| u * u, |u| u * u * u - u];
+        for other in others {
+            for by in [-0.05, 0.05] {
+                let more = cost(&|size| spline(size) + by * other(size / 2.0));
+                assert!(more > least, "{least} {more}");
+            }
         }
     }
 }

@@ -1,10 +1,7 @@
-//! How an effect's changes run between the sizes that were played, and where there are too few of these: what one of them would
-//! be by the others tells.
+//! Where there are too few sizes played of an effect: what one of them would be by the others tells.
 
 use asami_dataset::Dataset;
 
-use super::entry::Run;
-use super::gauge::voiced;
 use super::{Base, Entry, Library};
 use crate::judge::Judge;
 use crate::sighted::Sighted;
@@ -27,32 +24,15 @@ impl Entry {
     /// By how much logs of one of its sizes would be less likely had that not been played, in nats each.
     fn shortfall(&self, library: &Library, i: usize, runs: &[Dataset]) -> f64 {
         let (base, size) = (&library.base, self.sizes[i]);
-        let (with, without) = (Self { appears: Vec::new(), ..self.clone() }, self.without(i, self.run));
+        let (with, without) = (Self { appears: Vec::new(), ..self.clone() }, self.without(i));
         let logs: Vec<Sighted<'_>> = runs.iter().filter_map(|run| Sighted::new(&run.log, library).ok()).collect();
         let lost = |log: &Sighted<'_>| with.log_likelihood(base, size, log) - without.log_likelihood(base, size, log);
         logs.iter().map(lost).fold(0.0, |sum, it| sum + it) / logs.len().max(1) as f64
     }
 
-    /// The same where changes run on parabolas through the nearest sizes, if the logs of sizes between others, `runs` in the
-    /// order of sizes, are likelier by that than by one polynomial for all, each with its own size left out.
-    #[must_use]
-    pub fn settled(self, base: &Base, runs: &[&[Dataset]]) -> Self {
-        let library = Library::new(base.clone(), Vec::new());
-        let between = 1..self.sizes.len().saturating_sub(1);
-        let gains = between.map(|i| {
-            let [one, nearest] = [Run::Polynomial, Run::Parabolas].map(|run| self.without(i, run));
-            let logs = runs[i].iter().filter_map(|run| Sighted::new(&run.log, &library).ok());
-            logs.fold(0.0, |sum, log| {
-                let [one, nearest] = [&one, &nearest].map(|entry| entry.log_likelihood(base, self.sizes[i], &log));
-                sum + voiced(nearest - one)
-            })
-        });
-        if gains.sum::<f64>() > 0.0 { Self { run: Run::Parabolas, ..self } } else { self }
-    }
-
-    /// What it would be had one of its sizes not been played, and did changes run like this.
-    fn without(&self, i: usize, run: Run) -> Self {
-        let mut left = Self { run, appears: Vec::new(), ..self.clone() };
+    /// What it would be had one of its sizes not been played.
+    fn without(&self, i: usize) -> Self {
+        let mut left = Self { appears: Vec::new(), ..self.clone() };
         left.sizes.remove(i);
         left.changes.remove(i);
         left

@@ -12,7 +12,7 @@ use crate::fit::{Free, changed};
 use crate::nominal::{CannotPlay, Nominal};
 use crate::plant::{Planted, Variant};
 use crate::shape::{Numbers, ORDER, Shape};
-use crate::sizes::{curved, spaced, straight, through};
+use crate::sizes::{curved, smoothed, spaced, straight, through};
 use crate::touch::Touch;
 
 /// What one kind of effect changes.
@@ -41,7 +41,12 @@ pub(super) enum Run {
     Straight,
     /// As noise and shares do, on curves in the size's logarithm.
     Logarithms,
+    /// On splines that bend the more the larger the size, and lie near to what was found.
+    Smooth,
 }
+
+/// How much those bend: between 10, by which nominal logs speak least for any effect, and 100, by which those with one speak most.
+const BENDS: f64 = 30.0;
 
 impl Entry {
     /// Plays one kind of effect at its sizes, with the seeds of the first nominal runs, and learns what it changes.
@@ -92,9 +97,13 @@ impl Entry {
         };
         let runs: Vec<&[Dataset]> = runs.into_iter().map(|(_, runs)| runs).collect();
         let changes = responses.into_iter().zip(runs.iter().copied()).map(change).collect();
-        let entry = Self { kind: variant.name(), sizes, changes, run: run(variant), appears: Vec::new() };
-        // Where sizes were polished one by one, they need not lie on one polynomial any more.
-        let entry = if smooth && base.memory.sways() { entry.settled(base, &runs) } else { entry };
+        let run = match run(variant) {
+            Run::Logarithms => Run::Logarithms,
+            // Where sizes are polished one by one, each has errors of its own, and none lies on one polynomial with the others.
+            _ if base.memory.sways() => Run::Smooth,
+            run => run,
+        };
+        let entry = Self { kind: variant.name(), sizes, changes, run, appears: Vec::new() };
         Self { appears: gauge(base, &entry, &runs), ..entry }
     }
 
@@ -122,7 +131,11 @@ impl Entry {
         let n = self.sizes.len();
         let even = || straight(&self.sizes, size, |size| size);
         // Log-odds of shares and logarithms of noise go rather with the size's own logarithm.
-        let rest = if self.run == Run::Logarithms { curved } else { straight }(&self.sizes, size, ln);
+        let rest = match self.run {
+            Run::Logarithms => curved(&self.sizes, size, ln),
+            Run::Smooth => smoothed(&self.sizes, size, BENDS),
+            _ => straight(&self.sizes, size, ln),
+        };
         // Curves of sensing are learned size by size: between sizes they are what they are there.
         let (motion, sensing) = match self.run {
             Run::Polynomial => (through(&self.sizes, n.saturating_sub(3)..n, size), even()),
@@ -132,7 +145,7 @@ impl Entry {
                 (parabola.clone(), parabola)
             }
             Run::Straight => (even(), even()),
-            Run::Logarithms => (rest.clone(), rest.clone()),
+            Run::Logarithms | Run::Smooth => (rest.clone(), rest.clone()),
         };
         for group in ORDER {
             let weights = match group {

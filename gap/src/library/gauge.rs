@@ -67,6 +67,6 @@ impl<'a> Played<'a> {
 }
 
 /// What one log says, never more than its voice.
-pub fn voiced(nats: f64) -> f64 {
+fn voiced(nats: f64) -> f64 {
     nats / (1.0 + nats.abs() / VOICE)
 }

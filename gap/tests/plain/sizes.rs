@@ -1,6 +1,6 @@
 //! Whether effects are found as large as they are.
 
-use asami_dataset::{Dataset, Seed};
+use asami_dataset::Seed;
 use asami_gap::answer::how_far::misfit;
 use asami_gap::library::{Budget, Entry, play};
 use asami_gap::weigh::evidence::{CLOSE, weigh};
@@ -75,34 +75,4 @@ fn a_lens_is_found_as_large_as_it_is() {
     let mean = offs.iter().sum::<f64>() / logs;
     let sd = (offs.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / (logs - 1.0)).sqrt();
     assert!(mean.abs() < 3.0 * sd * (1.0 / logs + 1.0 / runs).sqrt(), "{mean} of {sd}");
-}
-
-/// What an effect does may be a cubic in its size, or set in at some size: the logs of sizes between others tell which.
-#[test]
-fn changes_run_between_sizes_as_the_sizes_left_out_tell() {
-    let labels = [0.25, 0.5, 0.75, 1.0];
-    let cubic = |label: f64| 3.0 * label * (label - 0.8) * (label - 0.8);
-    let late = |label: f64| f64::max(label - 0.5, 0.0) * 0.5;
-    for (law, run) in [(cubic as fn(f64) -> f64, "Polynomial"), (late, "Parabolas")] {
-        let variant = planted("command_scale", 1.0, 1.0).variant;
-        let runs = labels.map(|label| {
-            let really = Planted { variant: variant.clone(), size: law(label) };
-            let planted = if really.size > 0.0 { vec![really] } else { Vec::new() };
-            let run = |seed| play(&world::Plain::default(), &planted, Seed(2000 + seed), 120.0).unwrap();
-            (0..4_u64).map(run).collect::<Vec<_>>()
-        });
-        let alone = |(label, runs): (&f64, &Vec<Dataset>)| {
-            let entry = Entry::of(&library().base, &variant, &[(*label, runs.clone())]);
-            serde_json::to_value(entry).unwrap()
-        };
-        let alone: Vec<serde_json::Value> = labels.iter().zip(&runs).map(alone).collect();
-        let mut entry = alone[0].clone();
-        for of in ["sizes", "changes", "appears"] {
-            entry[of] = alone.iter().map(|entry| entry[of][0].clone()).collect();
-        }
-        assert_eq!(entry["run"], "Polynomial");
-        let entry: Entry = serde_json::from_value(entry).unwrap();
-        let settled = entry.settled(&library().base, &runs.each_ref().map(Vec::as_slice));
-        assert_eq!(serde_json::to_value(settled).unwrap()["run"], run);
-    }
 }
