@@ -58,10 +58,10 @@ pub fn smoothed(sizes: &[f64], size: f64, bends: f64) -> Vec<f64> {
     let shares: Vec<f64> = sizes.iter().map(|size| size / greatest).collect();
     let covariance = |a: f64, b: f64| bends * a.min(b) * a.min(b) * (3.0 * a.max(b) - a.min(b)) / 6.0;
     let row = |a: f64| shares.iter().map(|b| covariance(a, *b)).collect::<Vec<f64>>();
-    let mut found: Vec<Vec<f64>> = shares.iter().map(|share| row(*share)).collect();
-    found.iter_mut().enumerate().for_each(|(i, row)| row[i] += 1.0);
-    // What is not a number has no curve either.
-    let Some(l) = cholesky(&found) else { return vec![f64::NAN; sizes.len()] };
+    let mut covariances: Vec<Vec<f64>> = shares.iter().map(|share| row(*share)).collect();
+    covariances.iter_mut().enumerate().for_each(|(i, row)| row[i] += 1.0);
+    // Only sizes that are no numbers have none.
+    let Some(l) = cholesky(&covariances) else { return vec![f64::NAN; sizes.len()] };
     let line = cholesky_solve(&l, &shares);
     let information = dot(&shares, &line);
     let at = size / greatest;
@@ -153,13 +153,12 @@ mod tests {
         assert!(spread(2.0) > 0.9, "{}", spread(2.0));
     }
 
-    /// The spline that comes nearest is the one that has the least of a sum of squares and of bending: no other values at the sizes,
-    /// with the natural spline through them, have less.
+    /// The curve has the least of a sum of squares and of bending: what is added to it, a line too, makes that more.
     #[test]
     fn no_other_curve_has_less_of_misfit_and_bending() {
         let bends = 50.0;
         let found = |size: f64| (3.0 * size).sin();
-        // Of the natural spline through values, bending is the integral of its second derivative's square: by finite differences.
+        // Bending is the integral of the second derivative's square over shares of the greatest size.
         let cost = |curve: &dyn Fn(f64) -> f64| {
             let misfit = SIZES.iter().fold(0.0, |sum, size| sum + (curve(*size) - found(*size)).powi(2));
             let h = 1e-3;

@@ -45,7 +45,8 @@ pub(super) enum Run {
     Smooth,
 }
 
-/// How much those bend: between 10, by which nominal logs speak least for any effect, and 100, by which those with one speak most.
+/// How much those bend. Of 10 and 100, which were tried on planted cases of an Aibo whose nominal world was learned from a quarter as
+/// many runs, nominal logs spoke less for effects by the first and logs with one more for it by the second; this lies between.
 const BENDS: f64 = 30.0;
 
 impl Entry {
