@@ -36,24 +36,40 @@ pub fn reliability(series: &[Bars]) -> Figure {
     )
 }
 
+/// The axis of what separates a truth from the next cause, in nats.
+const SEPARATIONS_NATS: [f64; 2] = [-20.0, 100.0];
+
 /// Probability of the truth over how far a log separates it.
 #[must_use]
 pub fn separation(points: &[(String, Vec<[f64; 2]>)]) -> Figure {
+    let [least, most] = SEPARATIONS_NATS;
     let figure = Figure::new("Separation", "Probability of the truth")
         .x("D_sep", "nats")
         .y("probability of the truth", "")
-        .x_range(-20.0, 100.0)
+        .x_range(least, most)
         .y_range(0.0, 1.0);
-    let figure = points.iter().fold(figure, |figure, (name, points)| figure.points(name, Mark::Dot, points.as_slice()));
+    let figure = points.iter().fold(figure, |figure, (name, points)| {
+        let points: Vec<[f64; 2]> = points.iter().map(|[nats, p]| [nats.clamp(least, most), *p]).collect();
+        figure.points(name, Mark::Dot, points)
+    });
     figure.caption(
-        "One point for each case; what is separated by more than 100 nats is not drawn. Good: low on the left, at 1 from \
-         10 nats on. A point low on the right is a mistake that the log did not ask for.",
+        "One point for each case; what is separated by more than 100 nats, or by less than -20, stands at the edge. Good: low on the \
+         left, at 1 from 10 nats on. A point low on the right is a mistake that the log did not ask for.",
     )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Most of an Aibo's cases are separated by hundreds of nats: they are the ones to be seen.
+    #[test]
+    fn what_lies_beyond_the_axis_stands_at_its_edge() {
+        let drawn = |nats: f64| separation(&[("asami".to_owned(), vec![[nats, 0.4]])]).svg();
+        assert_eq!(drawn(1400.0), drawn(100.0));
+        assert_eq!(drawn(-35.0), drawn(-20.0));
+        assert_ne!(drawn(99.0), drawn(100.0));
+    }
 
     #[test]
     fn figures_without_data_are_drawn() {

@@ -5,13 +5,14 @@
 //! equations 4.13 and 4.14), and the standardised innovations.
 
 mod detection;
+mod told;
 
 use std::f64::consts::TAU;
 use std::ops::Range;
 
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{exp, ln, sin_cos};
-use nalgebra::{Matrix2, Matrix3, RowVector3, SMatrix, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, RowVector3, SMatrix, SVector, Vector2, Vector3};
 
 use crate::columns::Group;
 use crate::hears::{Filtered, Hears, Innovation};
@@ -21,9 +22,17 @@ use crate::state::{Belief, STEADY, SWAYING, SWAYS, State};
 use crate::view::{Seen, View};
 use detection::Seeing;
 pub use detection::{Counted, Counts, UNCOUNTED, counted};
+use told::{Odd, Part, Told};
 
 /// Variances that a second adds where a robot goes astray: 0.3 m to the right and forwards, a radian.
 const ASTRAY: [f64; 3] = [0.1, 0.1, 1.0];
+/// How likely it is at a sighting that a robot that walks is not where its response has it, but somewhere near: variances of 0.3 m to
+/// each side, and of 0.3 rad. A filter that cannot jump loses for good what an effect sent elsewhere once, with thousands of nats
+/// that speak for whatever would have kept the robot there.
+const JUMPS: f64 = 1e-5;
+const JUMPS_TO: [f64; 3] = [0.1; 3];
+/// Sightings that are off by less, as a square in standard deviations, are likelier by hundreds of times without any.
+const RULED_OUT: f64 = 12.0;
 /// A bearing that was put in, and not measured, holds the robot on its rail so closely, and says nothing.
 const RAIL_RAD: f64 = 1e-3;
 /// A sway is not followed over a gap of so many frames.
@@ -254,40 +263,42 @@ impl<'a> Ready<'a> {
         }
         let white_var = |k: usize| vars[k] * (1.0 - sways[k].share);
         let r = Matrix2::from_diagonal(&Vector2::new(white_var(0), white_var(1)));
-        let across = state.covariance * h.transpose();
-        let s = h * across + r;
-        let Some((l, inverse)) = s.cholesky().map(|it| (it.l(), it.inverse())) else {
+        let odd = Odd { plain, h, r, spread: self.memory.spread, aims: view.aims };
+        let Some(told) = odd.told(&state.covariance) else {
             let lost = [f64::NAN; 2];
             let innovation = Innovation { step: i, seen, plain: lost, white: lost, scale: [1.0; 2], genuine: 0.0 };
             return (f64::NEG_INFINITY, innovation);
         };
-        let scale = [l[(0, 0)] * self.memory.spread[0], l[(1, 1)] * self.memory.spread[1]];
-        let first = plain.x / l[(0, 0)];
-        let white = [first / self.memory.spread[0], (plain.y - l[(1, 0)] * first) / scale[1]];
         let off_rad = view.off_rad(view.steps[i].pan_rad, bearing_rad);
         let elsewhere = self.shape.elsewhere(size, off_rad);
-        let (squares, scales, elsewhere) = match view.aims {
-            true => (white[0] * white[0] + white[1] * white[1], TAU * scale[0] * scale[1], elsewhere),
-            false => (white[0] * white[0], TAU.sqrt() * scale[0], elsewhere * TAU.sqrt() * scale[1]),
-        };
+        let elsewhere = if view.aims { elsewhere } else { elsewhere * TAU.sqrt() * told.scale[1] };
         let [itself, mistaken] = self.of_itself_or_mistaken(landmark);
-        let of_it = itself * exp(-0.5 * squares) / scales;
-        let of_another = mistaken * elsewhere;
-        let genuine = of_it / (of_it + of_another);
+        let of_it = told.likely(itself);
+        let mut part = told.part(of_it);
+        if let Some(jumped) = self.jumped(&odd, &told, state) {
+            part = part.or(jumped.part(jumped.likely(JUMPS * itself)));
+        }
         // A sighting of something else leaves the state as it is, and nobody knows for sure which it was (probabilistic
         // data association, Bar-Shalom and Tse 1975).
-        let gain = across * inverse;
-        let step = gain * plain;
-        state.mean += genuine * step;
+        let as_it_was = Part { likely: mistaken * elsewhere, step: SVector::zeros(), covariance: state.covariance };
+        let part = part.or(as_it_was);
+        state.mean += part.step;
         state.mean[2] = wrap_rad(state.mean[2]);
-        let kept = SMatrix::<f64, N, N>::identity() - gain * h;
-        // Joseph's form keeps the covariance symmetric and positive.
-        let updated = kept * state.covariance * kept.transpose() + gain * r * gain.transpose();
-        let apart = (genuine * (1.0 - genuine)) * step * step.transpose();
-        state.covariance = genuine * updated + (1.0 - genuine) * state.covariance + apart;
+        state.covariance = part.covariance;
+        let (white, scale, genuine) = (told.white, told.scale, of_it / part.likely);
         let innovation = Innovation { step: i, seen, plain: plain.into(), white, scale, genuine };
         let innovation = if view.aims { innovation } else { innovation.of_size_alone() };
-        (ln(of_it + of_another), innovation)
+        (ln(part.likely), innovation)
+    }
+
+    /// What a sighting tells that a robot's belief rules out, had the robot jumped.
+    fn jumped<const N: usize>(&self, odd: &Odd<N>, told: &Told<N>, state: &State<N>) -> Option<Told<N>> {
+        if !self.memory.sways() || told.squares() < RULED_OUT {
+            return None;
+        }
+        let mut covariance = state.covariance;
+        JUMPS_TO.iter().enumerate().for_each(|(axis, var)| covariance[(axis, axis)] += var);
+        odd.told(&covariance)
     }
 
     /// Size and bearing to be expected, and their derivatives with respect to the pose.

@@ -1,0 +1,96 @@
+//! What a sighting tells of a state, and what becomes of the state if it came about in one way or another.
+
+use std::f64::consts::TAU;
+
+use asami_math::elementary::exp;
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+
+/// A sighting as it differs from what is expected, with its derivatives with respect to the state, and its noise.
+pub(super) struct Odd<const N: usize> {
+    /// Size and bearing.
+    pub plain: Vector2<f64>,
+    /// Their derivatives.
+    pub h: SMatrix<f64, 2, N>,
+    /// Variances of their noise.
+    pub r: Matrix2<f64>,
+    /// How far nominal innovations scatter.
+    pub spread: [f64; 2],
+    /// Whether the bearing was measured.
+    pub aims: bool,
+}
+
+/// What it tells of a state with some covariance.
+pub(super) struct Told<const N: usize> {
+    /// The whitened innovation.
+    pub white: [f64; 2],
+    /// And its scales.
+    pub scale: [f64; 2],
+    /// What is to be added to the state's mean.
+    pub step: SVector<f64, N>,
+    /// The covariance then.
+    pub covariance: SMatrix<f64, N, N>,
+    aims: bool,
+}
+
+impl<const N: usize> Odd<N> {
+    /// `None` where numbers are none.
+    pub fn told(&self, covariance: &SMatrix<f64, N, N>) -> Option<Told<N>> {
+        let Self { plain, h, r, spread, aims } = self;
+        let across = covariance * h.transpose();
+        let (l, inverse) = (h * across + r).cholesky().map(|it| (it.l(), it.inverse()))?;
+        let scale = [l[(0, 0)] * spread[0], l[(1, 1)] * spread[1]];
+        let first = plain.x / l[(0, 0)];
+        let white = [first / spread[0], (plain.y - l[(1, 0)] * first) / scale[1]];
+        let gain = across * inverse;
+        let kept = SMatrix::<f64, N, N>::identity() - gain * h;
+        // Joseph's form keeps the covariance symmetric and positive.
+        let covariance = kept * covariance * kept.transpose() + gain * r * gain.transpose();
+        Some(Told { white, scale, step: gain * plain, covariance, aims: *aims })
+    }
+}
+
+impl<const N: usize> Told<N> {
+    /// The square of how far off the sighting is, in standard deviations.
+    pub fn squares(&self) -> f64 {
+        let [size, bearing] = self.white;
+        if self.aims { size * size + bearing * bearing } else { size * size }
+    }
+
+    /// How likely it is, so many times.
+    pub fn likely(&self, times: f64) -> f64 {
+        let [size, bearing] = self.scale;
+        let scales = if self.aims { TAU * size * bearing } else { TAU.sqrt() * size };
+        times * exp(-0.5 * self.squares()) / scales
+    }
+
+    /// The state if it is so.
+    pub fn part(&self, likely: f64) -> Part<N> {
+        Part { likely, step: self.step, covariance: self.covariance }
+    }
+}
+
+/// One of the ways in which a sighting may have come about.
+pub(super) struct Part<const N: usize> {
+    /// How likely.
+    pub likely: f64,
+    /// What is added to the state's mean.
+    pub step: SVector<f64, N>,
+    /// The covariance.
+    pub covariance: SMatrix<f64, N, N>,
+}
+
+impl<const N: usize> Part<N> {
+    /// A single Gaussian in place of this and another, with the mean and the covariance of both together.
+    pub fn or(self, other: Self) -> Self {
+        let likely = self.likely + other.likely;
+        let share = if likely > 0.0 { self.likely / likely } else { 1.0 };
+        let apart = self.step - other.step;
+        Self {
+            likely,
+            step: other.step + share * apart,
+            covariance: share * self.covariance
+                + (1.0 - share) * other.covariance
+                + (share * (1.0 - share)) * apart * apart.transpose(),
+        }
+    }
+}
