@@ -26,11 +26,11 @@ use told::{Odd, Part, Told};
 
 /// Variances that a second adds where a robot goes astray: 0.3 m to the right and forwards, a radian.
 const ASTRAY: [f64; 3] = [0.1, 0.1, 1.0];
-/// How likely it is at a sighting that a robot that walks is not where its response has it, but somewhere near: variances of 0.3 m to
-/// each side, and of 0.3 rad. A filter that cannot jump loses for good what an effect sent elsewhere once, with thousands of nats
-/// that speak for whatever would have kept the robot there.
+/// How likely it is at a sighting that a robot that walks is not where its response has it, but somewhere near: variances of 1 m to
+/// each side, and of 1 rad. A filter that cannot jump loses for good what an effect sent elsewhere once, with thousands of nats that
+/// speak for whatever would have kept the robot there.
 const JUMPS: f64 = 1e-5;
-const JUMPS_TO: [f64; 3] = [0.1; 3];
+const JUMPS_TO: [f64; 3] = [1.0; 3];
 /// Sightings that are off by less, as a square in standard deviations, are likelier by hundreds of times without any.
 const RULED_OUT: f64 = 12.0;
 /// A bearing that was put in, and not measured, holds the robot on its rail so closely, and says nothing.
