@@ -94,3 +94,34 @@ impl<const N: usize> Part<N> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Matrix1, Vector1};
+
+    use super::*;
+
+    fn part(likely: f64, step: f64, var: f64) -> Part<1> {
+        Part { likely, step: Vector1::new(step), covariance: Matrix1::new(var) }
+    }
+
+    /// Three ways, two by two: the mean, and the mean of squares, are those of all of them, in whatever order.
+    #[test]
+    fn ways_have_their_mean_and_covariance_in_common() {
+        let ways = [(0.2, 1.0, 0.5), (0.5, -2.0, 0.1), (0.1, 4.0, 3.0)];
+        let sum = |of: fn(f64, f64) -> f64| ways.iter().map(|(p, step, var)| p * of(*step, *var)).sum::<f64>() / 0.8;
+        let (mean, squares) = (sum(|step, _| step), sum(|step, var| step * step + var));
+        for order in [[0, 1, 2], [2, 0, 1], [1, 2, 0]] {
+            let [a, b, c] = order.map(|i| part(ways[i].0, ways[i].1, ways[i].2));
+            let all = a.or(b).or(c);
+            assert!((all.likely - 0.8).abs() < 1e-12 && (all.step[0] - mean).abs() < 1e-12);
+            assert!((all.covariance[(0, 0)] - (squares - mean * mean)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_changes_nothing() {
+        let all = part(0.0, 5.0, 1.0).or(part(0.0, 7.0, 1.0)).or(part(0.3, 0.0, 2.0));
+        assert_eq!((all.likely, all.step[0], all.covariance[(0, 0)]), (0.3, 0.0, 2.0));
+    }
+}
