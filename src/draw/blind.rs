@@ -38,6 +38,8 @@ pub fn reliability(series: &[Bars]) -> Figure {
 
 /// The axis of what separates a truth from the next cause, in nats.
 const SEPARATIONS_NATS: [f64; 2] = [-20.0, 100.0];
+/// Room for a dot at its ends.
+const DOT_NATS: f64 = 2.0;
 
 /// Probability of the truth over how far a log separates it.
 #[must_use]
@@ -46,7 +48,7 @@ pub fn separation(points: &[(String, Vec<[f64; 2]>)]) -> Figure {
     let figure = Figure::new("Separation", "Probability of the truth")
         .x("D_sep", "nats")
         .y("probability of the truth", "")
-        .x_range(least, most)
+        .x_range(least - DOT_NATS, most + DOT_NATS)
         .y_range(0.0, 1.0);
     let figure = points.iter().fold(figure, |figure, (name, points)| {
         let points: Vec<[f64; 2]> = points.iter().map(|[nats, p]| [nats.clamp(least, most), *p]).collect();

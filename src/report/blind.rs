@@ -112,8 +112,7 @@ fn figures(results: &Results) -> Vec<Figure> {
     let reliability: Vec<curves::Bars> = diagnosers().map(|(i, name)| (name.clone(), curve(i))).collect();
     let dots = |i: usize| {
         let planted = asked(results, i).filter(|it| it.is_planted());
-        let separated = planted.filter_map(|it| Some([it.reference.d_sep?, it.answer.true_probability]));
-        separated.filter(|[d_sep, _]| *d_sep < 100.0).collect::<Vec<_>>()
+        planted.filter_map(|it| Some([it.reference.d_sep?, it.answer.true_probability])).collect::<Vec<_>>()
     };
     let separation: Vec<_> = diagnosers().take(1).map(|(i, name)| (name.clone(), dots(i))).collect();
     let mut figures = vec![curves::reliability(&reliability), curves::separation(&separation)];
