@@ -94,14 +94,14 @@ fn carried(run: &Dataset) -> Dataset {
     let earlier = |t_s: f64| t_s - GONE_S;
     let commands = after.commands.iter().map(|it| Command { t_s: earlier(it.t_s), ..*it });
     let sightings = after.sightings.iter().map(|it| Sighting { t_s: earlier(it.t_s), ..*it });
-    let frames = before.frames.iter().zip(&after.frames).map(|(before, after)| {
+    let frames = before.frames.as_ref().zip(after.frames.as_ref()).map(|(before, after)| {
         let after = after.iter().map(|it| Frame { t_s: earlier(it.t_s), ..*it });
         before.iter().copied().chain(after).collect::<Vec<Frame>>().into()
     });
     let log = Log {
         commands: before.commands.iter().copied().chain(commands).collect::<Vec<Command>>().into(),
         sightings: before.sightings.iter().copied().chain(sightings).collect::<Vec<Sighting>>().into(),
-        frames: frames.last(),
+        frames,
         ..run.log.clone()
     };
     Dataset { log, ..run.clone() }
