@@ -32,6 +32,7 @@ pub mod sighted;
 pub mod sizes;
 pub mod start;
 pub mod state;
+pub mod tails;
 pub mod touch;
 pub mod view;
 pub mod weigh;

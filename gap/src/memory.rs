@@ -9,6 +9,7 @@ use asami_math::elementary::{exp, ln, sin_cos};
 use serde::{Deserialize, Serialize};
 
 use crate::columns::Attempt;
+use crate::tails::Tails;
 
 /// Paces: standing, and bands of attempted speed, forward or to the side, and backward.
 pub const PACES: usize = 1 + 2 * BANDS;
@@ -33,6 +34,9 @@ pub struct Memory {
     pub sways: [[Sway; 2]; PACES],
     /// Standard deviations of whitened innovations: 1 where the filter's own covariance says all.
     pub spread: [f64; 2],
+    /// How often they are far off.
+    #[serde(default)]
+    pub tails: Tails,
     /// Time from frame to frame, in seconds.
     pub frame_s: f64,
 }
@@ -67,7 +71,7 @@ impl Default for Sway {
 
 impl Default for Memory {
     fn default() -> Self {
-        Self { sways: [[Sway::default(); 2]; PACES], spread: [1.0; 2], frame_s: 0.0 }
+        Self { sways: [[Sway::default(); 2]; PACES], spread: [1.0; 2], tails: Tails::default(), frame_s: 0.0 }
     }
 }
 

@@ -19,6 +19,7 @@ use crate::hears::{Filtered, Hears, Innovation};
 use crate::memory::{Memory, Sway, pace};
 use crate::shape::{CHANGING, Numbers, Shape, Sight, speed_class};
 use crate::state::{Belief, STEADY, SWAYING, SWAYS, State};
+use crate::tails::Tails;
 use crate::view::{Seen, View};
 use detection::Seeing;
 pub use detection::{Counted, Counts, UNCOUNTED, counted};
@@ -30,6 +31,8 @@ const ASTRAY: [f64; 3] = [0.1, 0.1, 1.0];
 /// each side, and of 1 rad. A filter that cannot jump loses for good what an effect sent elsewhere once, with thousands of nats that
 /// speak for whatever would have kept the robot there.
 const JUMPS: f64 = 1e-5;
+/// The same after a sighting of something else: these come by chance, and seldom twice in a row.
+const AGAIN: f64 = 0.1;
 const JUMPS_TO: [f64; 3] = [1.0; 3];
 /// Sightings that are off by less, as a square in standard deviations, are likelier by hundreds of times without any.
 const RULED_OUT: f64 = 12.0;
@@ -60,6 +63,8 @@ struct Ready<'a> {
     memory: Memory,
     /// Whether the robot may be anywhere near by now.
     lost: bool,
+    /// How likely the last sighting was of something else.
+    doubted: f64,
 }
 
 /// A log under a response.
@@ -122,6 +127,7 @@ impl<'a> Ready<'a> {
             bearing_columns: vec![0.0; shape.width(Numbers::Bearing)],
             memory,
             lost: false,
+            doubted: 0.0,
         }
     }
 
@@ -159,13 +165,13 @@ impl<'a> Ready<'a> {
                 let (likely, innovation) = self.update(view, i, seen, &mut state);
                 log_likelihood += likely;
                 if H::EXPECTS {
-                    // The entropy of a Gaussian: a half for each of its squares, and its scales.
+                    // The entropy: of a Gaussian a half for each of its squares, and its scales.
                     let [size, bearing] = innovation.scale;
                     let landmark = view.seen[seen].landmark;
                     let [itself, _] = self.of_itself_or_mistaken(landmark);
                     expected -= if self.is_counted(landmark) { 0.0 } else { ln(itself) };
                     expected += match view.aims {
-                        true => 1.0 + ln(TAU * size * bearing),
+                        true => self.memory.tails.entropy() + ln(TAU * size * bearing),
                         false => 0.5 + ln(TAU.sqrt() * size),
                     };
                 }
@@ -263,7 +269,9 @@ impl<'a> Ready<'a> {
         }
         let white_var = |k: usize| vars[k] * (1.0 - sways[k].share);
         let r = Matrix2::from_diagonal(&Vector2::new(white_var(0), white_var(1)));
-        let odd = Odd { plain, h, r, spread: self.memory.spread, aims: view.aims };
+        let Memory { spread, tails, .. } = self.memory;
+        let tails = if view.aims { tails } else { Tails::default() };
+        let odd = Odd { plain, h, r, spread, tails, aims: view.aims };
         let Some(told) = odd.told(&state.covariance) else {
             let lost = [f64::NAN; 2];
             let innovation = Innovation { step: i, seen, plain: lost, white: lost, scale: [1.0; 2], genuine: 0.0 };
@@ -276,12 +284,14 @@ impl<'a> Ready<'a> {
         let of_it = told.likely(itself);
         let mut part = told.part(of_it);
         if let Some(jumped) = self.jumped(&odd, &told, state) {
-            part = part.or(jumped.part(jumped.likely(JUMPS * itself)));
+            part = part.or(jumped.part(jumped.likely(JUMPS.max(AGAIN * self.doubted) * itself)));
         }
         // A sighting of something else leaves the state as it is, and nobody knows for sure which it was (probabilistic
         // data association, Bar-Shalom and Tse 1975).
+        let moved = part.likely;
         let as_it_was = Part { likely: mistaken * elsewhere, step: SVector::zeros(), covariance: state.covariance };
         let part = part.or(as_it_was);
+        self.doubted = 1.0 - moved / part.likely;
         state.mean += part.step;
         state.mean[2] = wrap_rad(state.mean[2]);
         state.covariance = part.covariance;

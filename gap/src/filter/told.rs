@@ -2,8 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use asami_math::elementary::exp;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+
+use crate::tails::Tails;
 
 /// A sighting as it differs from what is expected, with its derivatives with respect to the state, and its noise.
 pub(super) struct Odd<const N: usize> {
@@ -15,6 +16,8 @@ pub(super) struct Odd<const N: usize> {
     pub r: Matrix2<f64>,
     /// How far nominal innovations scatter.
     pub spread: [f64; 2],
+    /// And how often they are far off.
+    pub tails: Tails,
     /// Whether the bearing was measured.
     pub aims: bool,
 }
@@ -29,13 +32,14 @@ pub(super) struct Told<const N: usize> {
     pub step: SVector<f64, N>,
     /// The covariance then.
     pub covariance: SMatrix<f64, N, N>,
+    tails: Tails,
     aims: bool,
 }
 
 impl<const N: usize> Odd<N> {
     /// `None` where numbers are none.
     pub fn told(&self, covariance: &SMatrix<f64, N, N>) -> Option<Told<N>> {
-        let Self { plain, h, r, spread, aims } = self;
+        let Self { plain, h, r, spread, tails, aims } = self;
         let across = covariance * h.transpose();
         let (l, inverse) = (h * across + r).cholesky().map(|it| (it.l(), it.inverse()))?;
         let scale = [l[(0, 0)] * spread[0], l[(1, 1)] * spread[1]];
@@ -45,7 +49,7 @@ impl<const N: usize> Odd<N> {
         let kept = SMatrix::<f64, N, N>::identity() - gain * h;
         // Joseph's form keeps the covariance symmetric and positive.
         let covariance = kept * covariance * kept.transpose() + gain * r * gain.transpose();
-        Some(Told { white, scale, step: gain * plain, covariance, aims: *aims })
+        Some(Told { white, scale, step: gain * plain, covariance, tails: *tails, aims: *aims })
     }
 }
 
@@ -60,7 +64,7 @@ impl<const N: usize> Told<N> {
     pub fn likely(&self, times: f64) -> f64 {
         let [size, bearing] = self.scale;
         let scales = if self.aims { TAU * size * bearing } else { TAU.sqrt() * size };
-        times * exp(-0.5 * self.squares()) / scales
+        times * self.tails.density(self.squares()) / scales
     }
 
     /// The state if it is so.

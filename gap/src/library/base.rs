@@ -15,6 +15,7 @@ use crate::nominal::{CannotPlay, Nominal};
 use crate::rhythm::Rhythm;
 use crate::shape::{Numbers, Shape};
 use crate::sighted::Sighted;
+use crate::tails::Tails;
 use crate::touch::Touch;
 
 /// In these blocks, one after another.
@@ -65,13 +66,13 @@ impl Base {
         if base.memory.sways() {
             (base.numbers, base.memory) = base.swaying(runs);
         }
-        base.memory.spread = base.spread(runs);
+        (base.memory.spread, base.memory.tails) = base.scatter(runs);
         base.numbers = base.polished(&base.numbers, runs, &POLISHED_BLOCKS, &|_| true);
         // None seen in nominal runs is no proof that there are none: the least share that was counted stays.
         let of_false = base.shape.range(Numbers::False);
         base.numbers[of_false.clone()].copy_from_slice(&base.fitted[of_false]);
         base.memory.spread = [1.0; 2];
-        base.memory.spread = base.spread(runs);
+        (base.memory.spread, base.memory.tails) = base.scatter(runs);
         Some(base)
     }
 
@@ -139,16 +140,21 @@ impl Base {
         moved.chain(sensed)
     }
 
-    /// How far the nominal logs' innovations scatter, once sways are taken into account.
-    fn spread(&self, runs: &[Dataset]) -> [f64; 2] {
+    /// How far the nominal logs' innovations scatter, once sways are taken into account, and, where there are any, how often they
+    /// are far off.
+    fn scatter(&self, runs: &[Dataset]) -> ([f64; 2], Tails) {
         let alone = Library::new(self.clone(), Vec::new());
-        let (mut squares, mut n) = ([0.0; 2], 0.0);
-        for judge in runs.iter().filter_map(|run| Sighted::new(&run.log, &alone).ok()) {
-            for it in judge.filtered(&self.numbers).innovations.iter().filter(|it| it.genuine > 0.5) {
-                (0..2).for_each(|k| squares[k] += it.white[k] * it.white[k]);
-                n += 1.0;
-            }
+        let judges = runs.iter().filter_map(|run| Sighted::new(&run.log, &alone).ok());
+        let genuine = judges.flat_map(|judge| judge.filtered(&self.numbers).innovations);
+        let white: Vec<[f64; 2]> = genuine.filter(|it| it.genuine > 0.5).map(|it| it.white).collect();
+        let squares = |k: usize| white.iter().fold(0.0, |sum, white| sum + white[k] * white[k]);
+        let n = white.len() as f64;
+        let spread = [0, 1].map(|k| if n > 0.0 { (squares(k) / n).sqrt().max(0.1) } else { 1.0 });
+        if !self.memory.sways() {
+            return (spread, Tails::default());
         }
-        squares.map(|sum| if n > 0.0 { (sum / n).sqrt().max(0.1) } else { 1.0 })
+        let square =
+            |white: &[f64; 2]| (0..2).fold(0.0, |sum, k| sum + (white[k] / spread[k]) * (white[k] / spread[k]));
+        (spread, Tails::learn(&white.iter().map(square).collect::<Vec<f64>>()))
     }
 }
