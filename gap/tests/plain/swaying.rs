@@ -108,7 +108,7 @@ fn carried(run: &Dataset) -> Dataset {
 }
 
 /// Where a robot is not where it should be, that costs a log once, and not with every sighting from then on: of a filter that cannot
-/// jump these four lose 200 to 6850 nats.
+/// jump these four lose 200 to 6850 nats, of one that is not quicker to jump where sightings seem to be of something else up to 440.
 #[test]
 fn a_robot_that_was_carried_is_found_again() {
     let mut base = Base::of(&(0..8).map(steady).collect::<Vec<_>>()).unwrap();
@@ -116,6 +116,6 @@ fn a_robot_that_was_carried_is_found_again() {
     for seed in 200..204 {
         let run = swayed(steady(seed), &base, seed);
         let lost = nats(&base, std::slice::from_ref(&run)) - nats(&base, &[carried(&run)]);
-        assert!((3.0..600.0).contains(&lost), "{lost} nats");
+        assert!((3.0..150.0).contains(&lost), "{lost} nats");
     }
 }
