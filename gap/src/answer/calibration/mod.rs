@@ -198,11 +198,14 @@ impl Calibration {
         evidence.keys().map(|cause| score(cause)).chain([score(NONE)]).collect()
     }
 
-    /// The causes of the 90 % set, the most probable first; never empty.
+    /// The causes of the 90 % set, the most probable first; never empty. Two effects of which the one does not show beside the other
+    /// are in none: the one that shows stands for both.
     #[must_use]
     pub fn set90(&self, evidence: &Evidence, probabilities: &BTreeMap<String, f64>) -> Vec<String> {
         let threshold = self.thresholds[stratum(evidence)];
-        let mut causes: Vec<(&String, f64)> = probabilities.iter().map(|(cause, p)| (cause, *p)).collect();
+        let shows = |cause: &&String| !self.hides(cause, evidence);
+        let mut causes: Vec<(&String, f64)> =
+            probabilities.iter().filter(|(cause, _)| shows(cause)).map(|(cause, p)| (cause, *p)).collect();
         causes.sort_by(|a, b| b.1.total_cmp(&a.1));
         let in_set = causes.iter().enumerate().filter(|(i, (_, p))| *i == 0 || *p >= threshold);
         in_set.map(|(_, (cause, _))| (*cause).clone()).collect()
@@ -214,6 +217,12 @@ impl Calibration {
         let n = self.absorbed_nats.len();
         let below = self.absorbed_nats.partition_point(|it| *it < absorbed_nats);
         (n > 0).then(|| (n - below + 1) as f64 / (n + 1) as f64)
+    }
+
+    /// Whether a cause is of several effects of which not all show.
+    fn hides(&self, cause: &str, evidence: &Evidence) -> bool {
+        let (_, beyond) = parts(cause, nats(evidence, cause), top_single(evidence));
+        self.beyond(cause, beyond - self.error(evidence)).0 == HIDDEN
     }
 
     fn beta(&self, class: &str) -> f64 {
