@@ -105,6 +105,20 @@ fn what_may_have_another_beside_it_is_not_certain_and_its_set_holds_what_shows()
 }
 
 #[test]
+fn of_two_effects_of_which_one_does_not_show_the_other_stands_for_both() {
+    let calibration = Calibration { thresholds: [0.0; 3], ..Calibration::default() };
+    let set = |pair: f64| {
+        let nats = [("a", 40.0), ("b", 2.0), ("a+b", pair), ("unknown/timing", 33.0)];
+        let evidence = Evidence::from(nats.map(|(cause, nats)| (cause.to_owned(), nats)));
+        let probabilities = calibration.probabilities(&evidence);
+        assert!(probabilities["a+b"] > probabilities["b"], "{probabilities:?}");
+        calibration.set90(&evidence, &probabilities)
+    };
+    assert_eq!(set(39.0), ["a", "unknown", "b", "none"].map(str::to_owned));
+    assert_eq!(set(60.0)[..2], ["a+b", "a"]);
+}
+
+#[test]
 fn a_block_is_held_against_the_cause_that_it_was_put_on_top_of() {
     let evidence = |pair: f64| {
         let nats = [("a", 40.0), ("b", 2.0), ("a+b", pair), ("unknown/timing", pair - 5.0)];
