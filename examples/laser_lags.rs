@@ -11,8 +11,6 @@
 
 #[path = "beside_peers/mod.rs"]
 mod beside_peers;
-#[path = "beside_peers/simulated.rs"]
-mod simulated;
 
 use std::error::Error;
 use std::f64::consts::PI;
@@ -23,8 +21,7 @@ use asami_learners::lidar::{Drive, Sensor, pairs};
 use asami_math::correlation::{Correlogram, Overlap, correlograms, lags_to};
 use serde_json::{Value, json};
 
-use beside_peers::{thread_s, write};
-use simulated::simulated;
+use beside_peers::{simulated, thread_s, write};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -13,8 +13,6 @@
 
 #[path = "beside_peers/mod.rs"]
 mod beside_peers;
-#[path = "beside_peers/simulated.rs"]
-mod simulated;
 
 use std::error::Error;
 use std::io::BufRead;
@@ -26,8 +24,7 @@ use asami_learners::car_lines::CarLines;
 use asami_learners::lidar::{AsOf, Drive, Odometry};
 use serde_json::json;
 
-use beside_peers::{thread_s, write};
-use simulated::simulated;
+use beside_peers::{simulated, thread_s, write};
 
 /// Nearer returns are the car's own.
 const NEAREST_M: f64 = 2.5;

@@ -8,9 +8,9 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
-def built(name, release):
-    """The path of the example, built."""
-    command = ["cargo", "build", "--example", name, "--message-format=json-render-diagnostics"]
+def built(name, release, package="asami"):
+    """The path of the package's example, built."""
+    command = ["cargo", "build", "-p", package, "--example", name, "--message-format=json-render-diagnostics"]
     done = subprocess.run(command + (["--release"] if release else []), cwd=ROOT, stdout=subprocess.PIPE, text=True)
     found = [json.loads(line).get("executable") for line in done.stdout.splitlines() if line.startswith("{")]
     if done.returncode or not any(found):

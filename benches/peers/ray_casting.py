@@ -120,7 +120,7 @@ def open3d_scene(vertices, triangles, rays, reach):
 
 
 def compare(folder, detail, rounds):
-    ours = Example(built("rays", True), [folder, detail])
+    ours = Example(built("rays", True, "asami-sim"), [folder, detail])
     about = ours.about
     read = lambda name, kind: np.fromfile(pathlib.Path(folder) / name, kind)
     # Embree reads vertices four floats at a time: one more behind the last.

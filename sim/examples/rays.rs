@@ -1,15 +1,12 @@
 //! A town, the rays of a Velodyne that drives through it, and how long the house's caster takes for them.
 //!
-//! `cargo run --release --example rays -- FOLDER [DETAIL]` writes `vertices.f32`, `triangles.u32`, `rays.f32`
+//! `cargo run --release -p asami-sim --example rays -- FOLDER [DETAIL]` writes `vertices.f32`, `triangles.u32`, `rays.f32`
 //! (component by component: three of the origins, three of the directions) into the folder and prints one line of JSON.
 //! Then, for every line on its standard input, it casts all rays with each set of instructions, prints the seconds of the thread's own time, and
 //! writes the ranges to `ranges.f32`.
 
-#[path = "beside_peers/mod.rs"]
-mod beside_peers;
-
-use std::io::BufRead;
-use std::path::PathBuf;
+use std::io::{BufRead, Write};
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use asami_dataset::Seed;
@@ -17,8 +14,6 @@ use asami_raycast::{Bundle, Caster, Hits, Instructions, Packets};
 use asami_sim::scenes::town::{Town, TownConfig};
 use asami_sim::sensors::velodyne::{SensorPose, Unit, Velodyne, VelodyneConfig};
 use nalgebra::UnitQuaternion;
-
-use beside_peers::{thread_s, write};
 
 /// Revolutions, one every 10 s of the drive.
 const REVOLUTIONS: usize = 20;
@@ -90,4 +85,20 @@ fn bundles(town: &Town) -> Result<Vec<Bundle>, Box<dyn std::error::Error>> {
         bundles.extend(velodyne.bundles(&poses)?);
     }
     Ok(bundles)
+}
+
+/// The processor's time that this thread has had, where the system tells; else the time of day.
+fn thread_s() -> f64 {
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat");
+    let ran_ns = told.ok().and_then(|told| told.split_whitespace().next()?.parse::<f64>().ok());
+    let day = || std::time::SystemTime::UNIX_EPOCH.elapsed().map_or(0.0, |since| since.as_secs_f64());
+    ran_ns.map_or_else(day, |ran_ns| 1e-9 * ran_ns)
+}
+
+fn write(path: &Path, numbers: impl Iterator<Item = [u8; 4]>) -> std::io::Result<()> {
+    let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
+    for number in numbers {
+        file.write_all(&number)?;
+    }
+    file.flush()
 }
