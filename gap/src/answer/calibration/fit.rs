@@ -3,7 +3,7 @@
 use asami_math::elementary::{exp, ln, ln_1p};
 use asami_math::quasi_newton::lbfgs;
 
-use super::{Calibration, HIDDEN, Left, SEVERAL, SLIP, class, greatest, nats, parts, top_effect, top_single};
+use super::{Calibration, HIDDEN, Left, SEVERAL, SLIP, Said, class, greatest, nats, top_effect, top_single};
 use crate::weigh::causes::{NONE, is_unknown, leader};
 use crate::weigh::practice::Case;
 
@@ -145,8 +145,7 @@ fn of_case(case: &Case, calibration: &Calibration, causes: &[String], weight: f6
     }
     for (cause, [sharp, _]) in probabilities.iter().filter(|(cause, _)| !is_unknown(cause)) {
         let off = off(cause, *sharp) + if *cause == leader { of_blocks } else { 0.0 };
-        let (of_top, beyond) = parts(cause, nats(&case.evidence, cause), top_single);
-        let (class, beyond) = calibration.beyond(cause, beyond - error);
+        let Said { of_top, class, beyond } = calibration.said(cause, &case.evidence, top_single, error);
         slope[0] += off * calibration.tau * of_top / fading;
         slope[1] -= off * of_top * calibration.tau * calibration.fade * top / (fading * fading);
         if class == SEVERAL {

@@ -184,8 +184,7 @@ impl Calibration {
         let top = top_single(evidence);
         let error = self.error(evidence);
         let named = |cause: &str| {
-            let (of_top, beyond) = parts(cause, nats(evidence, cause), top);
-            let (class, beyond) = self.beyond(cause, beyond - error);
+            let Said { of_top, class, beyond } = self.said(cause, evidence, top, error);
             ln(prior(cause, singles)) + self.beta(class) + weight * of_top + self.tau * beyond
         };
         let leader = leader(evidence);
@@ -221,8 +220,7 @@ impl Calibration {
 
     /// Whether a cause is of several effects of which not all show.
     fn hides(&self, cause: &str, evidence: &Evidence) -> bool {
-        let (_, beyond) = parts(cause, nats(evidence, cause), top_single(evidence));
-        self.beyond(cause, beyond - self.error(evidence)).0 == HIDDEN
+        self.said(cause, evidence, top_single(evidence), self.error(evidence)).class == HIDDEN
     }
 
     fn beta(&self, class: &str) -> f64 {
@@ -235,6 +233,13 @@ impl Calibration {
         self.error * exp(own) * top_single(evidence)
     }
 
+    /// What is said for a cause where the most evident effect has `top` nats, of which `error` pass for something else besides.
+    fn said<'a>(&self, cause: &'a str, evidence: &Evidence, top: f64, error: f64) -> Said<'a> {
+        let (of_top, beyond) = parts(cause, nats(evidence, cause), top);
+        let (class, beyond) = self.beyond(cause, beyond - error);
+        Said { of_top, class, beyond }
+    }
+
     /// A cause's class, and what is said for it beyond the leading effect. A second effect that hardly shows is about as
     /// probable as one that does not show at all.
     fn beyond<'a>(&self, cause: &'a str, beyond: f64) -> (&'a str, f64) {
@@ -244,6 +249,16 @@ impl Calibration {
             single => (single, 0.0),
         }
     }
+}
+
+/// What is said for a cause.
+struct Said<'a> {
+    /// By the most evident effect.
+    of_top: f64,
+    /// What it shares an addend with.
+    class: &'a str,
+    /// Beyond that effect.
+    beyond: f64,
 }
 
 /// What shares one addend: all causes of several effects do.
