@@ -35,7 +35,6 @@ pub struct Memory {
     /// Standard deviations of whitened innovations: 1 where the filter's own covariance says all.
     pub spread: [f64; 2],
     /// How often they are far off.
-    #[serde(default)]
     pub tails: Tails,
     /// Time from frame to frame, in seconds.
     pub frame_s: f64,

@@ -28,8 +28,7 @@ impl Tails {
     /// How likely an innovation with this square is, times `TAU`.
     #[must_use]
     pub fn density(self, squares: f64) -> f64 {
-        // A product of powers has other last digits.
-        if self.0 > 0.0 { exp(self.ln_density(squares)) } else { exp(-0.5 * squares) }
+        exp(self.ln_density(squares))
     }
 
     /// Of `n` degrees of freedom `ln(n / (n - 2)) - (n / 2 + 1) ln(1 + q / (n - 2))` (Kotz and Nadarajah 2004, equation 1.1, with

@@ -31,9 +31,10 @@ const ASTRAY: [f64; 3] = [0.1, 0.1, 1.0];
 /// each side, and of 1 rad. A filter that cannot jump loses for good what an effect sent elsewhere once, with thousands of nats that
 /// speak for whatever would have kept the robot there.
 const JUMPS: f64 = 1e-5;
-/// The same after a sighting of something else: these come by chance, and seldom twice in a row.
-const AGAIN: f64 = 0.1;
 const JUMPS_TO: [f64; 3] = [1.0; 3];
+/// How likely it is after a sighting that was of something else: a filter that asks for as much again at each of a row of them takes
+/// all for ones of something else.
+const AGAIN: f64 = 0.1;
 /// Sightings that are off by less, as a square in standard deviations, are likelier by hundreds of times without any.
 const RULED_OUT: f64 = 12.0;
 /// A bearing that was put in, and not measured, holds the robot on its rail so closely, and says nothing.

@@ -68,16 +68,16 @@ impl Base {
         }
         (base.memory.spread, base.memory.tails) = base.scatter(runs);
         base.numbers = base.polished(&base.numbers, runs, &POLISHED_BLOCKS, &|_| true);
-        base.memory.spread = [1.0; 2];
-        if base.memory.sways() {
-            // What effects change is made most likely under these: where the nominal response is not, each of them gains what that lacks.
-            (base.memory.spread, base.memory.tails) = base.scatter(runs);
-            base.numbers = base.polished(&base.numbers, runs, &POLISHED_BLOCKS, &|_| true);
-        } else {
+        if !base.memory.sways() {
             // None seen in nominal runs is no proof that there are none: the least share that was counted stays.
             let of_false = base.shape.range(Numbers::False);
             base.numbers[of_false.clone()].copy_from_slice(&base.fitted[of_false]);
-            base.memory.spread = base.scatter(runs).0;
+        }
+        base.memory.spread = [1.0; 2];
+        (base.memory.spread, base.memory.tails) = base.scatter(runs);
+        if base.memory.sways() {
+            // What effects change is made most likely under these: where the nominal response is not, each of them gains what that lacks.
+            base.numbers = base.polished(&base.numbers, runs, &POLISHED_BLOCKS, &|_| true);
         }
         Some(base)
     }
