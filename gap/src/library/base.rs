@@ -1,6 +1,7 @@
 //! How the nominal world answers: learned from its runs with their truth, and polished without.
 
 use asami_dataset::{Dataset, Seed};
+use asami_math::elementary::{exp, ln};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -109,10 +110,15 @@ impl Base {
     /// What an effect changes, of which runs with their truth gave `change`: made most likely on the same logs where sightings
     /// sway. A fit to the truth then takes for the effect's what the filter, which must tell a sway from a turn and from noise,
     /// does not make of it, and costs true causes tens of nats: it is only trusted with curves of motion, wear and shares; and,
-    /// of what acts on sensing, with the curve of the size, which a few logs without truth leave tied to much else.
+    /// of what acts on sensing, with the curve of the size, which a few logs without truth leave tied to much else. Shares of false
+    /// sightings add up as such: the nominal one, as it was polished, is far below what is counted where there are none.
     pub(super) fn played(&self, mut change: Vec<f64>, runs: &[Dataset], touch: Touch) -> Vec<f64> {
         if !self.memory.sways() {
             return change;
+        }
+        for i in self.shape.range(Numbers::False) {
+            let more = share(self.fitted[i] + change[i]) - share(self.fitted[i]);
+            change[i] = ln_odds(share(self.numbers[i]) + more.max(0.0)) - self.numbers[i];
         }
         let trusted = self.trusted(touch);
         self.distrusted().filter(|i| !trusted.contains(i)).for_each(|i| change[i] = 0.0);
@@ -163,4 +169,13 @@ impl Base {
             |white: &[f64; 2]| (0..2).fold(0.0, |sum, k| sum + (white[k] / spread[k]) * (white[k] / spread[k]));
         (spread, Tails::learn(&white.iter().map(square).collect::<Vec<f64>>()))
     }
+}
+
+/// What odds of this logarithm are.
+fn share(ln_odds: f64) -> f64 {
+    1.0 / (1.0 + exp(-ln_odds))
+}
+
+fn ln_odds(share: f64) -> f64 {
+    ln(share / (1.0 - share))
 }

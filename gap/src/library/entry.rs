@@ -6,7 +6,7 @@ use asami_sim::effect::{Block, Place};
 use asami_sim::effects::catalogue;
 use serde::{Deserialize, Serialize};
 
-use super::gauge::gauge;
+use super::gauge::{bends, gauge};
 use super::{Base, Budget, FIRST_SEED, play};
 use crate::fit::{Free, changed};
 use crate::nominal::{CannotPlay, Nominal};
@@ -26,6 +26,8 @@ pub struct Entry {
     pub(super) changes: Vec<Vec<f64>>,
     /// How changes run from size to size.
     pub(super) run: Run,
+    /// How much splines bend over them ([`smoothed`]).
+    pub(super) bends: f64,
     /// Logarithm of the size that logs are likeliest at over the one that was played, for each of the sizes.
     pub(super) appears: Vec<f64>,
 }
@@ -45,10 +47,6 @@ pub(super) enum Run {
     Smooth,
 }
 
-/// How much those bend. Of 10 and 100, which were tried on planted cases of an Aibo whose nominal world was learned from a quarter as
-/// many runs, nominal logs spoke less for effects by the first and logs with one more for it by the second; this lies between.
-const BENDS: f64 = 30.0;
-
 impl Entry {
     /// Plays one kind of effect at its sizes, with the seeds of the first nominal runs, and learns what it changes.
     ///
@@ -62,6 +60,7 @@ impl Entry {
                 sizes,
                 changes: Vec::new(),
                 run: run(variant),
+                bends: 0.0,
                 appears: Vec::new(),
             });
         }
@@ -97,14 +96,15 @@ impl Entry {
             base.played(change, runs, Touch::of(variant))
         };
         let runs: Vec<&[Dataset]> = runs.into_iter().map(|(_, runs)| runs).collect();
-        let changes = responses.into_iter().zip(runs.iter().copied()).map(change).collect();
+        let changes: Vec<Vec<f64>> = responses.into_iter().zip(runs.iter().copied()).map(change).collect();
         let run = match run(variant) {
             Run::Logarithms => Run::Logarithms,
             // Where sizes are polished one by one, each has errors of its own, and none lies on one polynomial with the others.
             _ if base.memory.sways() => Run::Smooth,
             run => run,
         };
-        let entry = Self { kind: variant.name(), sizes, changes, run, appears: Vec::new() };
+        let bends = bends(base, &changes, &runs);
+        let entry = Self { kind: variant.name(), sizes, changes, run, bends, appears: Vec::new() };
         Self { appears: gauge(base, &entry, &runs), ..entry }
     }
 
@@ -134,7 +134,7 @@ impl Entry {
         // Log-odds of shares and logarithms of noise go rather with the size's own logarithm.
         let rest = match self.run {
             Run::Logarithms => curved(&self.sizes, size, ln),
-            Run::Smooth => smoothed(&self.sizes, size, BENDS),
+            Run::Smooth => smoothed(&self.sizes, size, self.bends),
             _ => straight(&self.sizes, size, ln),
         };
         // Curves of sensing are learned size by size: between sizes they are what they are there.

@@ -5,4 +5,6 @@ pub mod causes;
 pub mod evidence;
 pub mod findings;
 pub mod groups;
+pub mod pairs;
 pub mod practice;
+pub mod together;
