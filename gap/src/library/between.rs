@@ -1,4 +1,5 @@
-//! Where there are too few sizes played of an effect: what one of them would be by the others tells.
+//! Between the sizes that are played of an effect: how much its changes bend there, and where there are too few of them, which what
+//! one would be by the others tells.
 
 use asami_dataset::Dataset;
 
@@ -8,6 +9,24 @@ use crate::sighted::Sighted;
 
 /// Logs of a size that is left out lose so many nats each: sizes next to it must be played as well.
 const FORETOLD_BADLY_NATS: f64 = 30.0;
+
+/// Nats by which logs speak for the greatest size are so much of how its changes bend ([`smoothed`](crate::sizes::smoothed)): what
+/// is found of one effect is off by about as many nats as of another, and the more it does, the more of that may be curved. Of 0.2
+/// and 1, tried on 90 planted logs of an Aibo, the sizes found were off by 7 % and 5 % at the median, and logs were 1.5 nats
+/// likelier at their true sizes by the second.
+const BENDS_A_NAT: f64 = 1.0;
+/// The least.
+const LEAST_BENDS: f64 = 30.0;
+
+/// How much an effect's changes bend over its sizes.
+pub fn bends(base: &Base, changes: &[Vec<f64>], runs: &[&[Dataset]]) -> f64 {
+    let (Some(change), Some(runs)) = (changes.last(), runs.last()) else { return LEAST_BENDS };
+    let library = Library::new(base.clone(), Vec::new());
+    let with: Vec<f64> = base.numbers.iter().zip(change).map(|(number, change)| number + change).collect();
+    let logs: Vec<Sighted<'_>> = runs.iter().filter_map(|run| Sighted::new(&run.log, &library).ok()).collect();
+    let gained = logs.iter().map(|log| log.read(&with).total() - log.read(&base.numbers).total());
+    (BENDS_A_NAT * gained.fold(0.0, |sum, it| sum + it) / logs.len().max(1) as f64).max(LEAST_BENDS)
+}
 
 impl Entry {
     /// Half-way, by ratio, to both sides of sizes that those next to them foretell badly; `runs` are those of its sizes.

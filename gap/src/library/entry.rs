@@ -6,7 +6,8 @@ use asami_sim::effect::{Block, Place};
 use asami_sim::effects::catalogue;
 use serde::{Deserialize, Serialize};
 
-use super::gauge::{bends, gauge};
+use super::between::bends;
+use super::gauge::gauge;
 use super::{Base, Budget, FIRST_SEED, play};
 use crate::fit::{Free, changed};
 use crate::nominal::{CannotPlay, Nominal};

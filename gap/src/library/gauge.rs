@@ -6,7 +6,6 @@ use asami_math::elementary::exp;
 use asami_math::optimise::golden_section;
 
 use super::{Base, Entry, Library};
-use crate::judge::Judge;
 use crate::sighted::Sighted;
 
 /// Nats by which one log can speak for a size, so that a robot that a filter lost does not decide.
@@ -18,24 +17,6 @@ const OWN_SD: f64 = 0.1;
 /// Logarithms are sought so far to both sides of what is known, in standard deviations, and as exactly.
 const WITHIN: f64 = 1.5;
 const NEAR_ENOUGH: f64 = 0.01;
-
-/// Nats by which logs speak for the greatest size are so much of how its changes bend ([`smoothed`](crate::sizes::smoothed)): what
-/// is found is off by about as many nats whatever the effect, and the more it does, the more of that may be curved.
-const BENDS_A_NAT: f64 = 1.0;
-/// The least.
-const LEAST_BENDS: f64 = 30.0;
-
-/// How much an entry's changes bend over sizes.
-pub fn bends(base: &Base, changes: &[Vec<f64>], runs: &[&[Dataset]]) -> f64 {
-    let (Some(change), Some(runs)) = (changes.last(), runs.last()) else { return LEAST_BENDS };
-    let library = Library::new(base.clone(), Vec::new());
-    let with: Vec<f64> = base.numbers.iter().zip(change).map(|(number, change)| number + change).collect();
-    let total = |log: &Sighted<'_>, numbers: &[f64]| log.terms(numbers).into_iter().fold(0.0, |sum, it| sum + it);
-    let logs: Vec<Sighted<'_>> = runs.iter().filter_map(|run| Sighted::new(&run.log, &library).ok()).collect();
-    let gains = logs.iter().map(|log| total(log, &with) - total(log, &base.numbers));
-    let mean = gains.fold(0.0, |sum, it| sum + it) / logs.len().max(1) as f64;
-    (BENDS_A_NAT * mean).max(LEAST_BENDS)
-}
 
 /// The logarithm of the size that logs are likeliest at over the one that was played, for each of an entry's sizes.
 pub fn gauge(base: &Base, entry: &Entry, runs: &[&[Dataset]]) -> Vec<f64> {
