@@ -43,8 +43,8 @@ pub struct Calibration {
     own_error: BTreeMap<String, f64>,
     /// What is added for each cause; of a flexible block to its evidence, for what its freedom costs.
     beta: BTreeMap<String, f64>,
-    /// The least probability that a cause in the 90 % set has, by stratum of the greatest evidence.
-    thresholds: [f64; 3],
+    /// The least probability that a cause in the 90 % set has, by stratum.
+    thresholds: [f64; STRATA],
     /// How far truths were exceeded by flexible blocks, increasing.
     absorbed_nats: Vec<f64>,
     /// By how much sizes' intervals are too narrow.
@@ -63,8 +63,14 @@ const PRIOR_UNKNOWN: f64 = 0.1;
 const SLIP: f64 = 0.02;
 /// Folds of the cross-validation.
 const FOLDS: usize = 5;
-/// Strata of the 90 % set: below, between and above these nats of greatest evidence.
+/// Strata of the 90 % set: below, between and above these nats of greatest evidence; and, of what is above both, where the most
+/// probable cause is as far ahead. In every one so many truths are in the set: what is clear needs no wide set because other logs
+/// do (Mondrian conformal prediction: Vovk, Gammerman and Shafer 2005, section 4.5).
 const STRATA_NATS: [f64; 2] = [3.0, 10.0];
+const STRATA: usize = 4;
+/// Of a stratum's truths this share is not in the set. What does not show of two effects is in none either, and takes the rest of
+/// the tenth, or more.
+const MISSED: f64 = 1.0 / 12.0;
 
 impl Default for Calibration {
     /// The evidence as it is.
@@ -77,7 +83,7 @@ impl Default for Calibration {
             error: 0.0,
             own_error,
             beta,
-            thresholds: [0.05; 3],
+            thresholds: [0.05; STRATA],
             absorbed_nats,
             stretch: 1.0,
             cases: 0,
@@ -107,22 +113,22 @@ impl Calibration {
             .into_par_iter()
             .map(|k| fit(&k.checked_sub(1).map_or_else(|| all.clone(), |fold| of(fold, false).collect())))
             .collect();
-        let mut scores: [Vec<f64>; 3] = Default::default();
+        let mut scores: [Vec<f64>; STRATA] = Default::default();
         for (fold, rest) in learned.iter().skip(1).enumerate() {
             for Left { case, .. } in of(fold, true) {
                 let shown = case.shown.as_ref().unwrap_or(&case.truth);
                 let truth = if is_unknown(shown) { UNKNOWN } else { shown };
-                let probability = rest.probabilities(&case.evidence).get(truth).copied().unwrap_or(0.0);
-                scores[stratum(&case.evidence)].push(probability);
+                let probabilities = rest.probabilities(&case.evidence);
+                let probability = probabilities.get(truth).copied().unwrap_or(0.0);
+                scores[rest.stratum(&case.evidence, &probabilities)].push(probability);
             }
         }
         let mut calibration = learned.into_iter().next().unwrap_or_default();
         for (threshold, scores) in calibration.thresholds.iter_mut().zip(&mut scores) {
             scores.sort_by(f64::total_cmp);
-            // The conformal rank: one in sixteen of n + 1, rounded down. What does not show of two effects is in no set, and
-            // takes the rest of the tenth.
-            let rank = ((scores.len() + 1) / 16).max(1) - 1;
-            *threshold = scores.get(rank).copied().unwrap_or(0.05);
+            // The conformal rank.
+            let rank = (MISSED * (scores.len() + 1) as f64) as usize;
+            *threshold = scores.get(rank.max(1) - 1).copied().unwrap_or(0.05);
         }
         calibration.absorbed_nats = cases.iter().filter_map(|left| left.case.absorbed_nats).collect();
         calibration.absorbed_nats.sort_by(f64::total_cmp);
@@ -201,7 +207,7 @@ impl Calibration {
     /// are in none: the one that shows stands for both.
     #[must_use]
     pub fn set90(&self, evidence: &Evidence, probabilities: &BTreeMap<String, f64>) -> Vec<String> {
-        let threshold = self.thresholds[stratum(evidence)];
+        let threshold = self.thresholds[self.stratum(evidence, probabilities)];
         let shows = |cause: &&String| !self.hides(cause, evidence);
         let mut causes: Vec<(&String, f64)> =
             probabilities.iter().filter(|(cause, _)| shows(cause)).map(|(cause, p)| (cause, *p)).collect();
@@ -216,6 +222,24 @@ impl Calibration {
         let n = self.absorbed_nats.len();
         let below = self.absorbed_nats.partition_point(|it| *it < absorbed_nats);
         (n > 0).then(|| (n - below + 1) as f64 / (n + 1) as f64)
+    }
+
+    /// The stratum of what is said of a log.
+    fn stratum(&self, evidence: &Evidence, probabilities: &BTreeMap<String, f64>) -> usize {
+        let [_, clear] = STRATA_NATS;
+        let by_greatest = STRATA_NATS.iter().filter(|nats| greatest(evidence) > **nats).count();
+        by_greatest + usize::from(by_greatest == STRATA_NATS.len() && self.ahead(evidence, probabilities) > clear)
+    }
+
+    /// By how much the evidence of the most probable cause in the list is ahead of that of all which it is no part of, in nats.
+    fn ahead(&self, evidence: &Evidence, probabilities: &BTreeMap<String, f64>) -> f64 {
+        let shows = |cause: &str| !is_unknown(cause) && !self.hides(cause, evidence);
+        let shown = probabilities.iter().filter(|(cause, _)| shows(cause));
+        let Some((top, _)) = shown.reduce(|a, b| if b.1 > a.1 { b } else { a }) else { return 0.0 };
+        let apart = |cause: &str| !is_unknown(cause) && cause != top && !cause.split('+').any(|effect| effect == top);
+        let others = evidence.iter().filter(|(cause, _)| apart(cause)).map(|(_, nats)| *nats);
+        let best = others.fold(if top == NONE { f64::NEG_INFINITY } else { 0.0 }, f64::max);
+        nats(evidence, top) - best
     }
 
     /// Whether a cause is of several effects of which not all show.
@@ -298,10 +322,6 @@ fn parts(cause: &str, nats: f64, top_single: f64) -> (f64, f64) {
 
 fn greatest(evidence: &Evidence) -> f64 {
     evidence.values().copied().fold(0.0, f64::max)
-}
-
-fn stratum(evidence: &Evidence) -> usize {
-    STRATA_NATS.iter().filter(|nats| greatest(evidence) > **nats).count()
 }
 
 fn softmax(scores: Vec<(&str, f64)>) -> BTreeMap<&str, f64> {

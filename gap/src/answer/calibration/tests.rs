@@ -83,6 +83,41 @@ fn probabilities_add_up_and_more_evidence_never_makes_a_cause_less_probable() {
     assert!(p(-5.0) < p(0.0) && p(0.0) < p(3.0) && p(3.0) < p(8.0));
 }
 
+/// Half of the logs say plainly which of ten causes it is; in the others the truth is anywhere within 9 nats of the most evident.
+#[test]
+fn what_is_clear_has_no_wider_a_set_because_other_logs_are_not() {
+    let of = |n: usize, seed: u64| -> Vec<Case> {
+        let mut rng = Seed(seed).stream("calibration/test");
+        let names: Vec<String> = (0..10).map(|i| format!("cause {i}")).collect();
+        let mut case = |is_clear: bool| {
+            let truth = rng.random_range(0..names.len());
+            let other = rng.random_range(0..names.len());
+            let nats = |i: usize, behind: f64| match (i == truth, i == other) {
+                (true, _) => 100.0 - if is_clear { 0.0 } else { behind },
+                (false, true) if !is_clear => 100.0,
+                _ => 20.0,
+            };
+            let evidence = names.iter().enumerate().map(|(i, name)| (name.clone(), nats(i, 9.0 * rng.random::<f64>())));
+            let evidence = evidence.collect();
+            Case { truth: names[truth].clone(), shown: None, evidence, absorbed_nats: None, off_by: None }
+        };
+        (0..n).map(|i| case(i % 2 == 0)).collect()
+    };
+    let calibration = Calibration::learn(&of(1000, 11));
+    let held = of(2000, 12);
+    for is_clear in [true, false] {
+        let (mut held_in, mut size, mut n) = (0.0, 0.0, 0.0);
+        for case in held.iter().enumerate().filter(|(i, _)| (i % 2 == 0) == is_clear).map(|(_, case)| case) {
+            let set = calibration.set90(&case.evidence, &calibration.probabilities(&case.evidence));
+            held_in += f64::from(u8::from(set.contains(&case.truth)));
+            size += set.len() as f64;
+            n += 1.0;
+        }
+        assert!(held_in / n > 0.88, "clear: {is_clear}: {}", held_in / n);
+        assert!(if is_clear { size / n < 1.01 } else { size / n > 1.5 }, "clear: {is_clear}: {}", size / n);
+    }
+}
+
 /// Of what is plainly `a`, every fifth has `b` besides, which does not show.
 fn with_hidden(n: usize) -> Vec<Case> {
     let of = |i: usize| {
@@ -106,7 +141,7 @@ fn what_may_have_another_beside_it_is_not_certain_and_its_set_holds_what_shows()
 
 #[test]
 fn of_two_effects_of_which_one_does_not_show_the_other_stands_for_both() {
-    let calibration = Calibration { thresholds: [0.0; 3], ..Calibration::default() };
+    let calibration = Calibration { thresholds: [0.0; STRATA], ..Calibration::default() };
     let set = |pair: f64| {
         let nats = [("a", 40.0), ("b", 2.0), ("a+b", pair), ("unknown/timing", 33.0)];
         let evidence = Evidence::from(nats.map(|(cause, nats)| (cause.to_owned(), nats)));
