@@ -4,7 +4,10 @@ use std::collections::BTreeSet;
 
 use super::answer::NONE;
 use super::scenario::{Expect, Measure};
-use super::tally::{Asked, Measured, STRATA, Share, asked, confusion, measure, named_word, power, truth_word};
+use super::tally::{
+    Asked, Measured, STRATA, Share, asked, calibration_by_chance, confusion, measure, named_word, power, reliability,
+    truth_word,
+};
 use super::walk::Results;
 use crate::report::{Cell, RowKind, Table};
 use crate::sweep::verdict::Verdict;
@@ -89,10 +92,12 @@ fn without_effect(results: &Results) -> Table {
         "false unknown, all cases",
         "wrong where P >= 0.9, all cases",
         "calibration error",
+        "by chance",
     ];
     let mut table = Table::new("No effect, and probabilities", &heads).caption(
         "How often a log of the nominal world is said to show a cause (good: <= 0.03), and over all cases how far \
-         probabilities are from how often they come true, in ten bins (good: <= 0.04).",
+         probabilities are from how often they come true, in ten bins (good: <= 0.04, or, where cases are few, no more than is \
+         to be expected by chance of probabilities that are just right).",
     );
     for (i, name) in results.blind.asked.diagnosers.iter().enumerate() {
         let all: Vec<Asked<'_>> = asked(results, i).collect();
@@ -106,6 +111,7 @@ fn without_effect(results: &Results) -> Table {
             cell(measure(Measure::Unknown, &listed), 3),
             cell(measure(Measure::ConfidentWrong, &all), 3),
             cell(measure(Measure::CalibrationError, &all), 3),
+            cell(calibration_by_chance(&reliability(all.iter().copied())).into(), 3),
         ];
         table = table.row(is_ours(name), cells);
     }

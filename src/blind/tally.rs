@@ -123,19 +123,31 @@ pub struct Bin {
     pub probability: f64,
     /// How often that was right.
     pub right: Share,
+    /// Variance of how many of them would be right, were each as probable as it is said to be.
+    pub variance: f64,
 }
 
 /// Probabilities of what was named against how often it was right, by ten bins of equal width; empty ones are left out.
 pub fn reliability<'a>(cases: impl Iterator<Item = Asked<'a>>) -> Vec<Bin> {
-    let mut bins = vec![(0.0, Share::default()); BINS];
+    let mut bins = vec![Bin { probability: 0.0, right: Share::default(), variance: 0.0 }; BINS];
     for asked in cases.filter(|asked| asked.answer.error.is_empty()) {
         let probability = asked.answer.probability.clamp(0.0, 1.0);
         let bin = &mut bins[((probability * BINS as f64) as usize).min(BINS - 1)];
-        bin.0 += probability;
-        bin.1 = Share { count: bin.1.count + u32::from(asked.answer.named_right), of: bin.1.of + 1 };
+        bin.probability += probability;
+        bin.variance += probability * (1.0 - probability);
+        bin.right = Share { count: bin.right.count + u32::from(asked.answer.named_right), of: bin.right.of + 1 };
     }
-    let mean = |(sum, right): (f64, Share)| Bin { probability: sum / f64::from(right.of), right };
-    bins.into_iter().filter(|(_, right)| right.of > 0).map(mean).collect()
+    let mean = |bin: Bin| Bin { probability: bin.probability / f64::from(bin.right.of), ..bin };
+    bins.into_iter().filter(|bin| bin.right.of > 0).map(mean).collect()
+}
+
+/// The calibration error to be expected by chance, were each probability just right: in every bin the mean size of a Gaussian of its
+/// variance.
+#[must_use]
+pub fn calibration_by_chance(bins: &[Bin]) -> Option<f64> {
+    let n: u32 = bins.iter().map(|bin| bin.right.of).sum();
+    let off = |bin: &Bin| (bin.variance * std::f64::consts::FRAC_2_PI).sqrt();
+    (n > 0).then(|| bins.iter().map(off).fold(0.0, |sum, off| sum + off) / f64::from(n))
 }
 
 /// A measure over cases, with the counts behind it where it is a share.
@@ -287,4 +299,32 @@ pub fn power<'a>(cases: impl Iterator<Item = Asked<'a>>, effect: &str) -> Vec<Po
     let middle = |i: usize| law.0 * exp(ln(law.1 / law.0) * (i as f64 + 0.5) / SIZES as f64);
     let points = bins.iter().enumerate().filter(|(_, right)| right.of > 0);
     points.map(|(i, right)| Power { size: middle(i), right: *right }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use asami_dataset::Seed;
+    use rand::RngExt;
+
+    use super::*;
+
+    /// Of twelve answers, or fifty, at these probabilities, drawn ten thousand times over.
+    #[test]
+    fn what_is_off_by_chance_is_what_draws_of_right_probabilities_are_off() {
+        let mut rng = Seed(3).stream("chance");
+        for (n, about) in [(12, 0.75), (12, 0.5), (50, 0.95)] {
+            let p: Vec<f64> = (0..n).map(|i| about + 0.04 * (f64::from(i) / f64::from(n) - 0.5)).collect();
+            let sum: f64 = p.iter().sum();
+            let off = |rng: &mut asami_dataset::Rng| {
+                let right = p.iter().filter(|p| rng.random::<f64>() < **p).count();
+                (right as f64 - sum).abs() / f64::from(n)
+            };
+            let drawn = (0..10_000).map(|_| off(&mut rng)).sum::<f64>() / 1e4;
+            let variance = p.iter().map(|p| p * (1.0 - p)).sum();
+            let bin = Bin { probability: sum / f64::from(n), right: Share { count: 0, of: n as u32 }, variance };
+            let expected = calibration_by_chance(&[bin]).unwrap();
+            assert!((drawn / expected - 1.0).abs() < 0.05, "{n} {about}: {drawn} {expected}");
+        }
+        assert_eq!(calibration_by_chance(&[]), None);
+    }
 }
