@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, exp, ln, sin_cos};
+use asami_math::elementary::{atan2, ln, logistic, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::filter::{UNCOUNTED, Walk};
@@ -74,7 +74,7 @@ fn tell(of_each: &[usize]) -> bool {
 
 /// How likely a sighting of something else is.
 fn ln_of_another(shape: &Shape, numbers: &[f64], view: &View, step: usize, seen: usize) -> f64 {
-    let share = 1.0 / (1.0 + exp(-numbers[shape.range(Numbers::False).start]));
+    let share = logistic(numbers[shape.range(Numbers::False).start]);
     let Seen { size, bearing_rad, .. } = view.seen[seen];
     ln(share * shape.elsewhere(size, view.off_rad(view.steps[step].pan_rad, bearing_rad)))
 }

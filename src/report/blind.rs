@@ -2,9 +2,6 @@
 
 use std::path::Path;
 
-use asami_gap::Variant;
-use asami_sim::effects::catalogue;
-
 use super::sweep::{arranged, made_with, verdicts_section, write_plates};
 use super::{CannotWrite, Cell, Plate, Report, RowKind, Section, Table};
 use crate::blind::rows;
@@ -120,18 +117,15 @@ fn figures(results: &Results) -> Vec<Figure> {
     let separation: Vec<_> = diagnosers().take(1).map(|(i, name)| (name.clone(), dots(i))).collect();
     let mut figures = vec![curves::reliability(&reliability), curves::separation(&separation)];
     for effect in planted_alone(results) {
-        let parameter = results.records.iter().filter_map(|record| record.reference.as_ref());
-        let parameter =
-            parameter.flat_map(|it| &it.effects).find(|it| it.name == effect).map(|it| it.parameter.as_str());
+        let references = results.records.iter().filter_map(|record| record.reference.as_ref());
+        let Some(planted) = references.flat_map(|it| &it.effects).find(|it| it.name == effect) else { continue };
         let log10 = |size: f64| asami_math::elementary::ln(size) / std::f64::consts::LN_10;
         let points = |i: usize| {
             power(asked(results, i), &effect).iter().map(|point| bar(log10(point.size), point.right)).collect()
         };
         let series: Vec<curves::Bars> = diagnosers().map(|(i, name)| (name.clone(), points(i))).collect();
-        let about = catalogue().into_iter().find(|about| about.name == effect);
-        let (least, greatest) =
-            about.and_then(|about| Some(Variant::of(about, 1).first()?.sizes())).unwrap_or((1.0, 1.0));
-        figures.push(curves::power(&effect, parameter.unwrap_or_default(), (log10(least), log10(greatest)), &series));
+        let (least, greatest) = planted.sizes;
+        figures.push(curves::power(&effect, &planted.parameter, (log10(least), log10(greatest)), &series));
     }
     figures
 }

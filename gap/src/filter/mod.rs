@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{exp, ln, sin_cos};
+use asami_math::elementary::{exp, ln, logistic, sin_cos};
 use nalgebra::{Matrix2, Matrix3, RowVector3, SMatrix, SVector, Vector2, Vector3};
 
 use crate::columns::Group;
@@ -107,7 +107,6 @@ impl Walk<'_> {
 impl<'a> Ready<'a> {
     fn new(shape: &'a Shape, numbers: &'a [f64], memory: Memory) -> Self {
         let part = |group| &numbers[shape.range(group)];
-        let logistic = |x: f64| 1.0 / (1.0 + exp(-x));
         let squares = |group| part(group).iter().map(|it| exp(2.0 * it)).collect::<Vec<_>>();
         Self {
             shape,

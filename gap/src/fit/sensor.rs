@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{exp, ln, sin_cos};
+use asami_math::elementary::{exp, ln, logistic, logit, sin_cos};
 
 use super::motion::moved;
 use super::{Run, dot, frame_s};
@@ -69,10 +69,6 @@ pub fn changed(shape: &Shape, runs: &[Run], touch: Touch, numbers: &mut [f64]) {
     }
 }
 
-fn logit(share: f64) -> f64 {
-    ln(share / (1.0 - share))
-}
-
 /// What sizes and bearings are explained by: the size's columns, the bearing's, the landmarks' places.
 struct Row {
     /// Of a sighting's size, and of its bearing.
@@ -118,7 +114,7 @@ impl Row {
 fn each(shape: &Shape, run: &Run, numbers: &[f64], mut with: impl FnMut(&Left, &[Vec<f64>; 2])) {
     let mut row = Row::new(shape);
     let noise = [shape.range(Numbers::SizeNoise).start, shape.range(Numbers::BearingNoise).start];
-    let false_share = 1.0 / (1.0 + exp(-numbers[shape.range(Numbers::False).start]));
+    let false_share = logistic(numbers[shape.range(Numbers::False).start]);
     for (i, step) in run.view.steps.iter().enumerate() {
         for seen in &run.view.seen[step.seen.clone()] {
             let sight = run.sight(i, seen.landmark, shape.moved(numbers, seen.landmark));
@@ -258,7 +254,7 @@ pub fn detection(shape: &Shape, runs: &[Run], numbers: &mut [f64]) {
         }
     }
     // What is known of each bin, with misses that are as much likelier or rarer everywhere.
-    let known: Vec<f64> = numbers[of.clone()].iter().map(|it| 1.0 / (1.0 + exp(-*it))).collect();
+    let known: Vec<f64> = numbers[of.clone()].iter().map(|it| logistic(*it)).collect();
     let sums = counts.iter().zip(&known).fold([0.0; 2], |[of_seen, of_expected], ([missed, seen], share)| {
         [of_seen + seen, of_expected + (missed + seen) * share]
     });

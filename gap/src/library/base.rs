@@ -1,7 +1,7 @@
 //! How the nominal world answers: learned from its runs with their truth, and polished without.
 
 use asami_dataset::{Dataset, Seed};
-use asami_math::elementary::{exp, ln};
+use asami_math::elementary::{logistic, logit};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -117,8 +117,7 @@ impl Base {
             return change;
         }
         for i in self.shape.range(Numbers::False) {
-            let more = share(self.fitted[i] + change[i]) - share(self.fitted[i]);
-            change[i] = ln_odds(share(self.numbers[i]) + more.max(0.0)) - self.numbers[i];
+            change[i] = grown(self.numbers[i], self.fitted[i], change[i]);
         }
         let trusted = self.trusted(touch);
         self.distrusted().filter(|i| !trusted.contains(i)).for_each(|i| change[i] = 0.0);
@@ -171,11 +170,25 @@ impl Base {
     }
 }
 
-/// What odds of this logarithm are.
-fn share(ln_odds: f64) -> f64 {
-    1.0 / (1.0 + exp(-ln_odds))
+/// The change of a share's log-odds by which it grows as much as from one that was fitted to that with a change.
+fn grown(log_odds: f64, fitted: f64, change: f64) -> f64 {
+    let more = logistic(fitted + change) - logistic(fitted);
+    logit(logistic(log_odds) + more.max(0.0)) - log_odds
 }
 
-fn ln_odds(share: f64) -> f64 {
-    ln(share / (1.0 - share))
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A nominal share of one in ten thousand, where four in a thousand were fitted.
+    #[test]
+    fn a_share_grows_by_what_was_counted_however_small_the_nominal_one_is() {
+        let (nominal, fitted) = (logit(1e-4), logit(4e-3));
+        for share in [0.005, 0.02, 0.1] {
+            let with = logistic(nominal + grown(nominal, fitted, logit(share) - fitted));
+            assert!((with - (share - 4e-3 + 1e-4)).abs() < 1e-12, "{share}: {with}");
+        }
+        assert!(grown(nominal, fitted, 0.0).abs() < 1e-9);
+        assert!(grown(nominal, fitted, -1.0).abs() < 1e-9, "what is counted less often than nominally adds nothing");
+    }
 }

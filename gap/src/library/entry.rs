@@ -27,7 +27,7 @@ pub struct Entry {
     pub(super) changes: Vec<Vec<f64>>,
     /// How changes run from size to size.
     pub(super) run: Run,
-    /// How much splines bend over them ([`smoothed`]).
+    /// How much splines bend over them ([`smoothed`]); 0 where there are none.
     pub(super) bends: f64,
     /// Logarithm of the size that logs are likeliest at over the one that was played, for each of the sizes.
     pub(super) appears: Vec<f64>,
@@ -104,7 +104,7 @@ impl Entry {
             _ if base.memory.sways() => Run::Smooth,
             run => run,
         };
-        let bends = bends(base, &changes, &runs);
+        let bends = if run == Run::Smooth { bends(base, &changes, &runs) } else { 0.0 };
         let entry = Self { kind: variant.name(), sizes, changes, run, bends, appears: Vec::new() };
         Self { appears: gauge(base, &entry, &runs), ..entry }
     }

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use asami_math::elementary::{exp, ln};
+use asami_math::elementary::{asin, exp, ln, logistic};
 
 use crate::judge::{Judge, Reading, Share};
 use crate::plant::{Planted, Variant};
@@ -36,7 +36,7 @@ impl Signature {
             signature.push(if counts { sqrt_2 * (after.ln_scale - before.ln_scale) } else { 0.0 });
         }
         // The length of an arc: the angle arcsin(sqrt p) stabilises a share's variance to 1/4n.
-        let arc = |share: &Share| asami_math::elementary::asin((1.0 / (1.0 + exp(-share.log_odds))).sqrt());
+        let arc = |share: &Share| asin(logistic(share.log_odds).sqrt());
         for (before, after) in base.shares.iter().zip(&with.shares) {
             signature.push(2.0 * before.trials.sqrt() * (arc(after) - arc(before)));
         }

@@ -63,8 +63,10 @@ pub fn pairs(judge: &dyn Judge, variants: &[Variant], weighed: &[Weighed]) -> Ve
     let mut pairs: Vec<Pair> = Vec::new();
     let mut at = 0;
     while let Some(leader) = leaders.get(at).cloned() {
-        beside(judge, variants, &leader, &mut pairs);
-        together(judge, variants, &leader, &mut pairs);
+        let others: Vec<Variant> = variants.iter().filter(|it| it.about.name != leader.effect).cloned().collect();
+        beside(judge, &others, &leader, &mut pairs);
+        together(judge, (variants, &others), &leader, &mut pairs);
+        pairs.sort_by(|a, b| b.evidence_nats.total_cmp(&a.evidence_nats));
         settle(judge, &mut pairs);
         // One effect may act like two others together, and lead before either.
         let partner = pairs.first().and_then(|pair| {
@@ -81,35 +83,30 @@ pub fn pairs(judge: &dyn Judge, variants: &[Variant], weighed: &[Weighed]) -> Ve
 }
 
 /// Adds every effect beside a leader, as far as no better pair of the two is there.
-fn beside(judge: &dyn Judge, variants: &[Variant], leader: &Weighed, pairs: &mut Vec<Pair>) {
-    let others: Vec<Variant> = variants.iter().filter(|it| it.about.name != leader.effect).cloned().collect();
+fn beside(judge: &dyn Judge, others: &[Variant], leader: &Weighed, pairs: &mut Vec<Pair>) {
     let alone = judge.log_likelihood(std::slice::from_ref(&leader.best)) - judge.log_likelihood(&[]);
     // What it pays for its size.
     let paid = leader.evidence_nats - leader.gain_nats;
-    for second in weigh(judge, &others, std::slice::from_ref(&leader.best), PASSING) {
+    for second in weigh(judge, others, std::slice::from_ref(&leader.best), PASSING) {
         let of = [(leader.best.clone(), leader.interval), (second.best, second.interval)];
         add(Pair::new(of, alone + paid + second.evidence_nats), pairs);
     }
-    pairs.sort_by(|a, b| b.evidence_nats.total_cmp(&a.evidence_nats));
 }
 
 /// Adds the most promising effects beside a leader with both sizes found together, as far as no better pair of the two is there.
-fn together(judge: &dyn Judge, variants: &[Variant], leader: &Weighed, pairs: &mut Vec<Pair>) {
-    let others: Vec<Variant> = variants.iter().filter(|it| it.about.name != leader.effect).cloned().collect();
+fn together(judge: &dyn Judge, (variants, others): (&[Variant], &[Variant]), leader: &Weighed, pairs: &mut Vec<Pair>) {
     let none = judge.log_likelihood(&[]);
     let kinds = |of: &Planted| {
         let same = |it: &&Variant| it.about.name == of.variant.about.name && judge.knows(it);
         variants.iter().filter(same).count() as f64
     };
     let alone = judge.log_likelihood(std::slice::from_ref(&leader.best));
-    let promising = promising(judge, &leader.best, &others).into_iter().filter(|it| it.0 > alone - LOSES_NATS);
-    for (_, from) in promising.take(PROMISING) {
-        let found = climbed(judge, from);
+    let promising = promising(judge, &leader.best, others).into_iter().filter(|it| it.0 > alone - LOSES_NATS);
+    for found in promising.take(PROMISING).filter_map(|(_, from)| climbed(judge, from)) {
         let of_a_kind = found.planted.iter().fold(0.0, |sum, it| sum - ln(kinds(it)));
         let evidence_nats = found.log_likelihood - none + found.ln_volume + of_a_kind;
         add(Pair::new(found.sized(), evidence_nats), pairs);
     }
-    pairs.sort_by(|a, b| b.evidence_nats.total_cmp(&a.evidence_nats));
 }
 
 /// Adds a pair, if no better one of the two is there.

@@ -85,9 +85,10 @@ pub fn promising(judge: &dyn Judge, leader: &Planted, others: &[Variant]) -> Vec
     found
 }
 
-/// The likeliest sizes near these, by Newton's method in their logarithms, within their laws.
+/// The likeliest sizes near these, by Newton's method in their logarithms, within their laws; `None` where the log-likelihood has no
+/// slope there.
 #[must_use]
-pub fn climbed(judge: &dyn Judge, from: [Planted; 2]) -> Both {
+pub fn climbed(judge: &dyn Judge, from: [Planted; 2]) -> Option<Both> {
     let bounds = from.each_ref().map(|it| {
         let (least, greatest) = it.variant.sizes();
         [ln(least), ln(greatest)]
@@ -97,7 +98,7 @@ pub fn climbed(judge: &dyn Judge, from: [Planted; 2]) -> Both {
     let within = |u: [f64; 2]| [0, 1].map(|k| u[k].clamp(bounds[k][0], bounds[k][1]));
     let mut u = within(from.each_ref().map(|it| ln(it.size)));
     let mut here = terms(u);
-    let (mut ln_volume, mut ln_sds) = (0.0, [0.0; 2]);
+    let mut shape = None;
     for _ in 0..ITERATIONS {
         let scores = [0, 1].map(|k| {
             // Towards the inside.
@@ -109,9 +110,9 @@ pub fn climbed(judge: &dyn Judge, from: [Planted; 2]) -> Both {
         let slope = scores.each_ref().map(|score| sum(score));
         let Some(curvature) = Curvature::new(&scores, PRECISION) else { break };
         let ranges = ln(bounds[0][1] - bounds[0][0]) + ln(bounds[1][1] - bounds[1][0]);
-        ln_volume = (ln(std::f64::consts::TAU) - 0.5 * curvature.ln_determinant() - ranges).min(0.0);
+        let ln_volume = (ln(std::f64::consts::TAU) - 0.5 * curvature.ln_determinant() - ranges).min(0.0);
         let variances = curvature.variances();
-        ln_sds = [variances[0].sqrt(), variances[1].sqrt()];
+        shape = Some((ln_volume, [variances[0].sqrt(), variances[1].sqrt()]));
         // What would leave its law stays at its end, and the other moves alone.
         let free = |k: &usize| u[*k] > bounds[*k][0] && slope[*k] < 0.0 || u[*k] < bounds[*k][1] && slope[*k] > 0.0;
         let moves: Vec<usize> = (0..2).filter(free).collect();
@@ -132,7 +133,8 @@ pub fn climbed(judge: &dyn Judge, from: [Planted; 2]) -> Both {
             break;
         }
     }
-    Both { planted: at(u), log_likelihood: sum(&here), ln_volume, ln_sds }
+    let (ln_volume, ln_sds) = shape?;
+    Some(Both { planted: at(u), log_likelihood: sum(&here), ln_volume, ln_sds })
 }
 
 /// What steps gain, by how far one went.
@@ -247,7 +249,7 @@ mod tests {
         for shares in [[0.3, 0.6], [0.6, 0.2], [0.4, 0.4]] {
             let (judge, truth) = world(shares);
             let (_, from) = promising(&judge, &alone(&judge, &truth[0]), &[truth[1].variant.clone()]).remove(0);
-            let found = climbed(&judge, from);
+            let found = climbed(&judge, from).unwrap();
             let solved = judge.read(&solved(&judge)).total();
             assert!(found.log_likelihood > solved - 0.2, "{shares:?}: {} {solved}", found.log_likelihood);
             for k in 0..2 {
@@ -266,7 +268,7 @@ mod tests {
         let at_true_size = Planted { size: truth[1].size, ..truth[1].clone() };
         assert!(likely(&[alone.clone(), at_true_size]) < likely(std::slice::from_ref(&alone)) - 10.0);
         let (_, from) = promising(&judge, &alone, &[truth[1].variant.clone()]).remove(0);
-        let (found, alone) = (climbed(&judge, from), likely(&[alone]));
+        let (found, alone) = (climbed(&judge, from).unwrap(), likely(&[alone]));
         assert!(found.log_likelihood > alone + 5.0, "{alone} {found:?}");
     }
 
@@ -274,7 +276,7 @@ mod tests {
     fn what_would_leave_its_law_stays_at_its_end() {
         let (mut judge, truth) = world([0.5, 0.5]);
         judge.measured.iter_mut().for_each(|it| *it *= 2.5);
-        let found = climbed(&judge, truth);
+        let found = climbed(&judge, truth).unwrap();
         for planted in &found.planted {
             let (_, greatest) = planted.variant.sizes();
             assert!((planted.size / greatest - 1.0).abs() < 1e-12, "{found:?}");
