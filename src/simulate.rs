@@ -1,8 +1,9 @@
 //! From a scenario's simulation to worlds and logs.
 
-use asami_dataset::{Dataset, Provenance, Seed, TruePose};
+use asami_dataset::{Command, Dataset, Provenance, Seed, TruePose};
 use asami_sim::drives::explore::Explore;
 use asami_sim::drives::pace::Pace;
+use asami_sim::drives::replay::Replay;
 use asami_sim::drives::roam::Roam;
 use asami_sim::ride::{CannotRide, Ride};
 use asami_sim::robots::aibo::{self, AiboWorld, Start};
@@ -118,6 +119,17 @@ impl Simulation {
         let mut world = self.world(seed)?;
         let dataset = world::run(&mut *world, &mut *self.policy(seed), self.duration_s);
         world.broken().map_or(Ok(dataset), |why| Err(CannotSimulate::Engine(why)))
+    }
+
+    /// The log of a robot on wheels that is told what another was: `commands`, in order of time. Other robots
+    /// are told what their scenario says.
+    ///
+    /// # Errors
+    /// If the robot cannot be built.
+    pub fn replayed(&self, commands: Vec<Command>, seed: Seed) -> Result<Dataset, CannotSimulate> {
+        let Policy::Roam(roams) = &self.drive else { return self.dataset(seed) };
+        let mut drive = Replay::new(commands, roams.roaming.clone());
+        Ok(world::run(&mut *self.world(seed)?, &mut drive, self.duration_s))
     }
 
     /// Who chooses the actions of a case.

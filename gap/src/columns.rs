@@ -108,7 +108,9 @@ impl Columns {
     pub fn width(&self, group: Group) -> usize {
         let varying = self.greatest.iter().filter(|greatest| **greatest > 0.0).count();
         match group {
-            Group::Curve if self.ids.is_empty() => varying * self.knots + varying * varying.saturating_sub(1) / 2,
+            Group::Curve if self.ids.is_empty() => {
+                varying * self.knots + varying * varying.saturating_sub(1) / 2 + usize::from(self.rolls())
+            }
             Group::Curve => self.ids.len(),
             Group::Lingering => 3 * (AGES_S.len() - 1),
             Group::Heading => 4,
@@ -124,6 +126,18 @@ impl Columns {
         let order = [Group::Curve, Group::Lingering, Group::Heading, Group::Held, Group::Wear];
         let start = order.iter().take_while(|it| **it != group).map(|it| self.width(*it)).sum::<usize>();
         start..start + self.width(group)
+    }
+
+    /// Whether any forward speed and turning rate may be commanded, and nothing sideways: a base on two wheels, whose speed in a
+    /// turn is of neither alone.
+    fn rolls(&self) -> bool {
+        self.ids.is_empty() && self.greatest[0] == 0.0 && self.greatest[1..].iter().all(|it| *it > 0.0)
+    }
+
+    /// Of a base on two wheels, the curve's column that is the speed times the squared turning rate.
+    #[must_use]
+    pub fn in_turns(&self) -> Option<usize> {
+        self.rolls().then(|| self.range(Group::Curve).end - 1)
     }
 
     /// The curve as coarsely as effects bend it: what each of its parts is made of, columns with their shares.
@@ -261,6 +275,11 @@ impl Columns {
         for ((i, j), column) in pairs.zip(&mut columns[varying.len() * self.knots..]) {
             *column += share * varying[i] * varying[j];
         }
+        if self.rolls()
+            && let Some(column) = columns.last_mut()
+        {
+            *column += share * u[1] * u[2] * u[2];
+        }
     }
 }
 
@@ -316,6 +335,26 @@ mod tests {
 
     fn forward(t_s: f64, ay_m_per_s: f64) -> Command {
         Command { t_s, action: Action::Legs { id: None, ax_m_per_s: 0.0, ay_m_per_s, atheta_rad_per_s: 0.0 } }
+    }
+
+    /// What a base on two wheels loses in turns is a column's; hats add up beside it.
+    #[test]
+    fn a_speed_in_a_turn_has_a_column_of_its_own() {
+        let wheels = |v_m_per_s: f64, omega_rad_per_s: f64| Command {
+            t_s: 0.0,
+            action: Action::Wheels { id: None, v_m_per_s, omega_rad_per_s },
+        };
+        let columns = Columns::new([wheels(0.2, 0.0), wheels(0.0, 0.5)].iter(), 3);
+        let last = columns.in_turns().unwrap();
+        let lost = |v: f64, omega: f64| {
+            let mut row = vec![0.0; columns.len()];
+            columns.fill(&[wheels(v, omega)], 3.0, 3.05, &[], &mut row);
+            row[last]
+        };
+        assert!((lost(0.1, 0.25) - 0.125).abs() < 1e-12 && (lost(0.1, -0.25) - 0.125).abs() < 1e-12);
+        assert_eq!([lost(0.2, 0.0), lost(0.0, 0.5)], [0.0; 2]);
+        assert_eq!(Columns::new([forward(0.0, 0.3)].iter(), 1).in_turns(), None);
+        assert_eq!(columns.bends().last().unwrap(), &vec![(last, 1.0)]);
     }
 
     #[test]

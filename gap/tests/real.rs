@@ -79,6 +79,12 @@ fn what_is_noisier_than_its_simulator_has_no_gap() {
             let found = (noisy.base.numbers[at] - library().base.numbers[at]).exp();
             assert!((found / ratio - 1.0).abs() < 0.2, "{noise:?}: {found}, not {ratio}");
         }
+        let said = diagnosis.noise.unwrap();
+        for (found, ratio) in
+            [(said.size_ratio, noise[1]), (said.bearing_ratio, noise[2]), (said.motion_ratio, noise[0])]
+        {
+            assert!((found / ratio - 1.0).abs() < 0.25, "{noise:?}: {said:?}");
+        }
     }
 }
 
@@ -147,7 +153,7 @@ fn what_is_set_aside_is_not_scored() {
     // Blocks of 20 s, of 180 s: three of nine.
     assert!((share - 6.0 / 9.0).abs() < 0.03, "{share}");
     assert_eq!(rest.read(&rest.numbers(&[])).log_likelihoods.len(), scored.len());
-    let found = layers(&*rest, &variants(), Least { nats: 10.0, share: 0.0 });
+    let found = layers(&*rest, &variants(), Least { nats: 10.0, share: 0.0, late_once: true });
     assert_eq!(of_layers(&found).len(), 1, "{found:?}");
 }
 

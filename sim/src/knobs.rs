@@ -86,11 +86,13 @@ pub struct WheelKnobs {
     pub base_ratio: f64,
     /// Time constant of their speed's answer to a command on top of its own.
     pub lag_s: f64,
+    /// Share of the forward speed that is lost in a turn of 1 rad/s, and with the square of the rate.
+    pub turn_loss_s2: f64,
 }
 
 impl Default for WheelKnobs {
     fn default() -> Self {
-        Self { radius_ratio: [1.0; 2], base_ratio: 1.0, lag_s: 0.0 }
+        Self { radius_ratio: [1.0; 2], base_ratio: 1.0, lag_s: 0.0, turn_loss_s2: 0.0 }
     }
 }
 

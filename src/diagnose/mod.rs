@@ -262,7 +262,7 @@ impl Answer {
             Found { diagnosis: ready.diagnose(&log)?, lasers: Vec::new() }
         };
         let cause = repaired::cause(&diagnosis);
-        let with_effect = cause.map(|cause| repaired::repaired(&ready.held.text, cause)).transpose()?;
+        let with_effect = cause.map(|cause| repaired::whole(&ready.held.text, cause, &diagnosis)).transpose()?;
         Ok((Self { diagnosis, notes, with_effect, lasers, length_s: length_s(&log) }, ready))
     }
 

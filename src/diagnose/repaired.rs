@@ -1,12 +1,16 @@
 //! The nominal scenario with the effects that were found: `with_effect.toml`.
 
 use asami_gap::Diagnosis;
-use asami_gap::answer::diagnosis::{Cause, Verdict};
+use asami_gap::answer::diagnosis::{Cause, Noise, Verdict};
 use asami_sim::effect::About;
 use asami_sim::effects::{Effects, catalogue};
 use toml::{Table, Value};
+use toml_edit::DocumentMut;
 
-use crate::scenario::{self, Origin};
+use crate::scenario::{self, Origin, Policy};
+
+/// No wheel or sensor is noisier: m/s, m or rad.
+const MOST_NOISE: f64 = 0.5;
 
 /// A nominal scenario cannot be given effects.
 #[derive(Debug, thiserror::Error)]
@@ -53,6 +57,40 @@ pub fn repaired(text: &str, cause: &Cause) -> Result<String, CannotRepair> {
         Ok(_) => Err(failed("its effects are not the ones asked for".to_owned())),
         Err(why) => Err(failed(why)),
     }
+}
+
+/// The nominal scenario with what a diagnosis says of a log: the effects of its `cause`, and of a real robot its noise.
+///
+/// # Errors
+/// [`CannotRepair`] as of either.
+pub fn whole(text: &str, cause: &Cause, diagnosis: &Diagnosis) -> Result<String, CannotRepair> {
+    let repaired = repaired(text, cause)?;
+    diagnosis.noise.map_or(Ok(repaired.clone()), |noise| noisy(&repaired, &noise))
+}
+
+/// `text`, a scenario of a robot on wheels, as noisy as a log says; others stay as they are.
+///
+/// # Errors
+/// [`CannotRepair`] where the text is no scenario, or none with that noise.
+pub fn noisy(text: &str, noise: &Noise) -> Result<String, CannotRepair> {
+    let failed = |why: String| CannotRepair { effects: "noise".to_owned(), why };
+    let parsed = |text: &str| {
+        let scenario = scenario::parse("with_effect", "with_effect.toml", text).map_err(|bad| bad.to_string())?;
+        Ok::<_, String>(if let Origin::Simulated(it) = scenario.origin { Some(it.drive) } else { None })
+    };
+    let Some(Policy::Roam(roams)) = parsed(text).map_err(failed)? else { return Ok(text.to_owned()) };
+    let (sight, wheels) = (&roams.create.sight, &roams.create.wheels);
+    let mut edited: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| failed(error.to_string()))?;
+    for (table, key, was, ratio) in [
+        ("sight", "sigma1_m", sight.sigma1_m, noise.size_ratio),
+        ("sight", "sigma2_rad", sight.sigma2_rad, noise.bearing_ratio),
+        ("wheels", "jitter_m_per_s", wheels.jitter_m_per_s, noise.motion_ratio),
+    ] {
+        edited["create"][table][key] = toml_edit::value((was * ratio).min(MOST_NOISE));
+    }
+    let edited = edited.to_string();
+    parsed(&edited).map_err(failed)?;
+    Ok(edited)
 }
 
 /// Effect, parameter and value, within the parameter's range.
@@ -156,6 +194,27 @@ learner = "canonical"
         assert!(error.to_string().contains("no parameter delya_s"), "{error}");
     }
 
+    /// A robot on wheels takes the noise of its log, wherever its scenario says how noisy it is; a walking one stays as it is.
+    #[test]
+    fn a_repaired_robot_is_as_noisy_as_its_log() {
+        let noise = Noise { size_ratio: 2.0, bearing_ratio: 0.5, motion_ratio: 3.0, false_share: 0.0 };
+        let nominal = include_str!("../../scenarios/create.toml");
+        let text = noisy(nominal, &noise).unwrap();
+        assert!(text.contains("# numbers of no log"), "remarks are kept");
+        let of = |text: &str| match scenario::parse("create", "create.toml", text).unwrap().origin {
+            Origin::Simulated(it) => match it.drive {
+                Policy::Roam(roams) => roams.create,
+                _ => panic!("it roams"),
+            },
+            Origin::Recorded(_) => panic!("it is simulated"),
+        };
+        let (before, after) = (of(nominal), of(&text));
+        assert!((after.sight.sigma1_m - 2.0 * before.sight.sigma1_m).abs() < 1e-15);
+        assert!((after.sight.sigma2_rad - 0.5 * before.sight.sigma2_rad).abs() < 1e-15);
+        assert!((after.wheels.jitter_m_per_s - 3.0 * before.wheels.jitter_m_per_s).abs() < 1e-15);
+        assert_eq!(noisy(NOMINAL, &noise).unwrap(), NOMINAL);
+    }
+
     #[test]
     fn only_a_named_effect_is_put_into_a_scenario() {
         let mut diagnosis = Diagnosis {
@@ -170,6 +229,7 @@ learner = "canonical"
             next_nats: None,
             smallest_visible: BTreeMap::new(),
             astray_s: None,
+            noise: None,
             calibrated_on: None,
             how_far: asami_gap::answer::diagnosis::HowFar::default(),
         };

@@ -73,6 +73,12 @@ pub fn text(diagnosis: &Diagnosis) -> String {
             &format!("for {astray_s:.0} s the robot did not do what it was told, whatever is found: not scored"),
         );
     }
+    if let Some(noise) = &diagnosis.noise {
+        let [size, bearing, motion] = [noise.size_ratio, noise.bearing_ratio, noise.motion_ratio].map(digits);
+        let nominal =
+            format!("sizes scatter {size} times as nominally, bearings {bearing} times, motion {motion} times");
+        say("noise", &format!("{nominal} (of a quarter of the log that is set aside)"));
+    }
     if diagnosis.verdict == Verdict::None && !diagnosis.smallest_visible.is_empty() {
         let visible =
             diagnosis.smallest_visible.iter().map(|(path, size)| format!("{path} {}", with_unit(path, *size)));

@@ -2,12 +2,14 @@
 //! better, once what was found is in the simulator?
 //!
 //! A scenario of the recording says what is learned from it and how. The same is learned from simulated logs that stand in for
-//! the recording: of the nominal world, and of the one with the effects that the log's diagnosis names, with the same seeds.
+//! the recording: of the nominal world, and of the one with the effects that the log's diagnosis names and the noise that it
+//! learned, with the same seeds. They
+//! are told what the recording's robot was told.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use asami_dataset::{Dataset, Seed};
+use asami_dataset::{Command, Dataset, Seed};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +17,7 @@ use super::scenario::{Learning, Source};
 use super::walk::{Part, Record};
 use crate::diagnose::Ready;
 use crate::diagnose::progress::Listener;
-use crate::diagnose::repaired::{cause, repaired};
+use crate::diagnose::repaired::{self, cause};
 use crate::scenario::{self, Origin, Recording, Scenario, Simulation};
 use crate::sweep::manifest::repository;
 use crate::sweep::plane::InPlane;
@@ -70,6 +72,9 @@ pub struct Lesson {
 /// Errors that are foretold.
 pub const MEASURES: [&str; 4] = ["vx_rmse_mm_per_s", "vy_rmse_mm_per_s", "vtheta_rmse_rad_per_s", "sensor_rmse_mm"];
 
+/// Commands of a recording's robots.
+pub type Told = BTreeMap<Option<u16>, Vec<Command>>;
+
 /// Learns from every log that has a scenario to be learned by and effects that were named, and from the simulated ones in its
 /// place.
 ///
@@ -80,7 +85,7 @@ pub fn lessons(
     source: &Source,
     path: &std::path::Path,
     records: &[Record],
-    ready: &Ready,
+    (ready, told): (&Ready, &Told),
     options: &Options,
     listener: &dyn Listener,
 ) -> Result<Vec<Lesson>, miette::Report> {
@@ -118,7 +123,7 @@ pub fn lessons(
     let mut all = learn(World::Real, None, Recorded::open(&recording, path)?)?;
     for seed in 0..u64::from(learning.seeds) {
         for world in [World::Nominal, World::Repaired] {
-            all.extend(learn(world, Some(seed), stand_ins(&recording, &worlds, world, seed)?)?);
+            all.extend(learn(world, Some(seed), stand_ins(&recording, &worlds, told, world, seed)?)?);
         }
     }
     Ok(all)
@@ -147,8 +152,9 @@ type Repairs = BTreeMap<Option<u16>, [Simulation; 2]>;
 fn repairs(source: &Source, records: &[Record], ready: &Ready) -> Result<Repairs, miette::Report> {
     let whole = records.iter().filter(|it| it.log == source.name && it.part == Part::Whole);
     let mut worlds = BTreeMap::new();
-    for (record, cause) in whole.filter_map(|it| Some((it, cause(it.diagnosis.as_ref()?)?))) {
-        let text = repaired(&ready.held.text, cause).map_err(crate::verb::plain)?;
+    for (record, diagnosis) in whole.filter_map(|it| Some((it, it.diagnosis.as_ref()?))) {
+        let Some(cause) = cause(diagnosis) else { continue };
+        let text = repaired::whole(&ready.held.text, cause, diagnosis).map_err(crate::verb::plain)?;
         let with_effects = scenario::parse(&ready.held.name, "with_effect.toml", &text)?;
         if let Scenario { origin: Origin::Simulated(repaired), .. } = with_effects {
             worlds.insert(record.robot, [(*ready.held.simulation).clone(), *repaired]);
@@ -158,7 +164,13 @@ fn repairs(source: &Source, records: &[Record], ready: &Ready) -> Result<Repairs
 }
 
 /// Simulated logs in the place of the recording's.
-fn stand_ins(recording: &Recording, worlds: &Repairs, world: World, seed: u64) -> Result<Recorded, miette::Report> {
+fn stand_ins(
+    recording: &Recording,
+    worlds: &Repairs,
+    told: &Told,
+    world: World,
+    seed: u64,
+) -> Result<Recorded, miette::Report> {
     let until_s = recording.windows.iter().map(|window| window.span_s().end).fold(0.0, f64::max) + 1.0;
     let parts: Vec<Option<u16>> = recording.parts.iter().map(|part| part.robot).collect();
     let wholes = parts.into_par_iter().with_max_len(1).map(|robot| {
@@ -167,7 +179,8 @@ fn stand_ins(recording: &Recording, worlds: &Repairs, world: World, seed: u64) -
         let simulation = Simulation { duration_s: until_s, ..of.clone() };
         // The same for both worlds, so that they differ by nothing else.
         let seed = Seed(1 + 100 * seed + u64::from(robot.unwrap_or_default()));
-        let dataset: Dataset = simulation.dataset(seed).map_err(crate::verb::plain)?;
+        let commands = told.get(&robot).cloned().unwrap_or_default();
+        let dataset: Dataset = simulation.replayed(commands, seed).map_err(crate::verb::plain)?;
         Ok((robot, dataset))
     });
     Recorded::of(recording, wholes.collect::<Result<_, miette::Report>>()?, &PathBuf::from("a simulated log"))

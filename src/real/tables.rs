@@ -72,7 +72,7 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
 }
 
 /// The cause that is said: the most probable that names effects.
-fn said(diagnosis: &Diagnosis) -> Option<&Cause> {
+pub(super) fn said(diagnosis: &Diagnosis) -> Option<&Cause> {
     let named = |cause: &&Cause| !cause.effects.iter().any(|it| it == "none" || it == "unknown");
     diagnosis.which.iter().find(named)
 }
@@ -171,8 +171,8 @@ fn logs(results: &Results) -> Table {
     let mut table = Table::new("Real logs", &heads).caption(
         "Effects in the order in which they are named, the most evident first. Closed: the share of the gap, on held-out blocks, \
          that they close; unknown: the share that remains, and the flexible block that it shows in. By motion capture, or of a car by \
-         inertial navigation: the discrepancy of motion that by itself explains most (scale of speeds, bend of straight lines, delay, \
-         lag; offset, ratio and lag of a steering), and its share. \
+         inertial navigation: the discrepancy of motion that by itself explains most (scale of speeds, slowing in turns, bend of straight \
+         lines, delay, lag; offset, ratio and lag of a steering), and its share. \
          Halves agree that have the same verdict and the same most evident effect.",
     );
     for record in results.records.iter().filter(|record| record.part == Part::Whole) {
@@ -214,8 +214,7 @@ fn held(results: &Results) -> Table {
     let heads =
         ["log", "robot", "parameter", "unit", "found", "90 % interval", "motion capture", "first half", "second half"];
     let mut table = Table::new("Sizes found in real logs, beside motion capture", &heads).caption(
-        "Motion capture's numbers are each of its own discrepancy alone: the best delay or the best lag, not both at once; a car's, \
-         by inertial navigation, are of all three of its steering together; a lag \
+        "Motion capture's numbers are of all discrepancies together, but where of a delay and a lag one is named that one alone; a lag \
          is on top of the nominal robot's own. Capture has a clock and a heading of its own: what a camera is late, or turned \
          against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing.",
     );

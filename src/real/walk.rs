@@ -18,6 +18,7 @@ use super::learning::{Lesson, lessons};
 use super::odometry;
 use super::scanner::{self, Checked};
 use super::scenario::{Real, Source};
+use super::tables::said;
 use crate::diagnose::limits::of_real;
 use crate::diagnose::progress::Listener;
 use crate::diagnose::{self, Ready};
@@ -161,7 +162,9 @@ pub fn run(
     for source in &real.asked.logs {
         if let Some(learning) = real.asked.learning.as_ref().filter(|_| source.learned_in.is_some()) {
             let ready = &worlds[source.nominal.as_str()];
-            all.extend(lessons(learning, source, &place(source, data), &records, ready, options, listener)?);
+            let of = prepared.iter().filter(|it| it.source.name == source.name);
+            let told = of.map(|it| (it.robot, it.dataset.log.commands.to_vec())).collect();
+            all.extend(lessons(learning, source, &place(source, data), &records, (ready, &told), options, listener)?);
         }
     }
     Ok(Results { real: real.clone(), records, lessons: all })
@@ -231,24 +234,30 @@ impl Prepared<'_> {
         let began = Instant::now();
         let log = part.of(&self.dataset.log);
         let scans = log.firings.is_some();
-        let said = catch_unwind(AssertUnwindSafe(|| {
+        let answer = catch_unwind(AssertUnwindSafe(|| {
             let limited = of_real(&log).map_err(|error| error.to_string())?;
             self.ready.diagnose_real(&limited.log).map_err(|error| error.to_string())
         }));
-        let (found, error) = match said {
+        let (found, error) = match answer {
             Ok(Ok(found)) => (Some(found), String::new()),
             Ok(Err(error)) => (None, error),
             Err(panic) => (None, panic_message(&*panic)),
         };
         let took_s = began.elapsed().as_secs_f64();
         // Truth comes in only now.
-        let (captured, checked) = if scans {
+        let (mut captured, checked) = if scans {
             let lasers = found.as_ref().map_or(&[][..], |found| &found.lasers);
             let on = scanner::on(part).of(&self.dataset.log);
             (Capture::default(), scanner::checked(&on, lasers, &self.dataset.truth.track))
         } else {
             (self.captured(log), None)
         };
+        let named: Vec<&str> = found
+            .iter()
+            .filter_map(|it| said(&it.diagnosis))
+            .flat_map(|it| it.effects.iter().map(String::as_str))
+            .collect();
+        captured.suit(&named);
         Record {
             log: self.source.name.clone(),
             robot: self.robot,

@@ -138,6 +138,7 @@ impl Diagnosis {
             next_nats: None,
             smallest_visible: std::collections::BTreeMap::new(),
             astray_s: None,
+            noise: None,
             calibrated_on: None,
             how_far: HowFar { comment: "not asked".to_owned(), ..HowFar::default() },
         }

@@ -41,10 +41,26 @@ pub struct Diagnosis {
     /// For how long, in seconds, a real robot did not do what it was told, whatever is found: not scored; `None` of other logs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub astray_s: Option<f64>,
+    /// How noisy a real robot and its sensor are, out of stretches set aside for that; `None` of other logs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
     /// What the probabilities were calibrated on; `None`: they are the evidence as it is.
     pub calibrated_on: Option<CalibratedOn>,
     /// The gap before and after the most probable cause is added.
     pub how_far: HowFar,
+}
+
+/// Standard deviations over those of the nominal world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Noise {
+    /// Of sizes or ranges, in the (geometric) mean over bands of distance.
+    pub size_ratio: f64,
+    /// Of bearings, the same.
+    pub bearing_ratio: f64,
+    /// Of motion while the robot moves, slow and fast together, in the (geometric) mean over ways forward and turns.
+    pub motion_ratio: f64,
+    /// Share of the sightings that are of something else.
+    pub false_share: f64,
 }
 
 /// The answer in one word.

@@ -6,6 +6,8 @@
 
 use asami_math::statistics::median;
 
+use super::noise::FREE;
+use crate::blocks::likeliest;
 use crate::judge::Judge;
 use crate::plant::Planted;
 use crate::sighted::Sighted;
@@ -17,10 +19,12 @@ const STANDS_OUT_NATS: f64 = 25.0;
 /// A robot has gone astray before that shows.
 const EARLIER_S: f64 = 3.0;
 
-/// Adds to `spans` those of a log that stand out with these effects in the world; they stay in order of time and apart from one
-/// another.
+/// Adds to `spans` those of a log that stand out under every response that is anything like that with these effects in the
+/// world; they stay in order of time and apart from one another.
 pub fn add(spans: &mut Vec<[f64; 2]>, judge: &Sighted<'_>, planted: &[Planted]) {
-    let reading = judge.read(&judge.numbers(planted));
+    // What a robot always makes of a command is no going astray, even where nothing in the list does so.
+    let numbers = FREE.iter().fold(judge.numbers(planted), |numbers, block| likeliest(&[judge], &numbers, block));
+    let reading = judge.read(&numbers);
     let unlikely = reading.expected.iter().zip(&reading.log_likelihoods).map(|(expected, likely)| -likely - expected);
     let mut windows: Vec<(f64, f64)> = Vec::new();
     for (step, nats) in judge.steps().iter().zip(unlikely) {

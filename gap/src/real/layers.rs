@@ -5,7 +5,9 @@
 //! much alike hide one another as long as each is looked at by itself. In the end each is thought of again.
 
 use asami_math::elementary::{exp, ln};
+use asami_sim::effect::{Block, Place};
 
+use super::starts::starts;
 use crate::judge::{Judge, Moment};
 use crate::newton::{Curvature, climb};
 use crate::plant::{Planted, Variant};
@@ -41,6 +43,8 @@ const PASSES: usize = 2;
 pub struct Layer {
     /// The effect; its evidence over those before it alone, reconsidered: over all others.
     pub weighed: Weighed,
+    /// What it pays of its gain for its size, in nats.
+    pays_nats: f64,
     /// Other effects in its place, with their evidence, the most evident first; of what is reconsidered.
     pub rivals: Vec<(&'static str, f64)>,
 }
@@ -50,14 +54,28 @@ pub struct Layer {
 pub struct Least {
     /// An effect that is less evident, in nats.
     pub nats: f64,
-    /// One that adds less than this share to what all explain.
+    /// One that adds less than this share to what all of its kind explain, the robot's motion or what its sensor makes of it:
+    /// the response to a large effect is not known to the last nat, and small ones would make up for what it is off.
     pub share: f64,
+    /// Whether of two ways in which commands come late one is enough: where responses are added up, a lag behind a delay is
+    /// neither.
+    pub late_once: bool,
 }
 
 impl Least {
-    /// What an effect must gain where all so far have gained so much.
-    fn gain(&self, all_nats: f64) -> f64 {
-        self.nats.max(self.share * all_nats)
+    /// Whether a kind may be named beside these.
+    fn allows(&self, variant: &Variant, with: &[Planted]) -> bool {
+        let late = |it: &Variant| it.place() == Place::Actuation && it.block() == Block::Timing;
+        let named = |it: &Planted| it.variant.about.name == variant.about.name;
+        !with.iter().any(|it| named(it) || self.late_once && late(&it.variant) && late(variant))
+    }
+
+    /// What the last of these effects must gain, all of which together are so likely.
+    fn gain(&self, judge: &dyn Judge, all: &[Planted], likely: f64) -> f64 {
+        let moves = |it: &Planted| matches!(it.variant.place(), Place::Actuation | Place::Dynamics);
+        let Some(last) = all.last() else { return self.nats };
+        let others: Vec<Planted> = all.iter().filter(|it| moves(it) != moves(last)).cloned().collect();
+        self.nats.max(self.share * (likely - judge.log_likelihood(&others)))
     }
 }
 
@@ -65,16 +83,17 @@ impl Least {
 #[must_use]
 pub fn layers(judge: &dyn Judge, variants: &[Variant], least: Least) -> Vec<Layer> {
     let mut layers: Vec<Layer> = Vec::new();
-    let none = judge.log_likelihood(&[]);
     while layers.len() < MOST {
         let with = planted(&layers);
         let likely = judge.log_likelihood(&with);
-        let mut tried = next(judge, variants, &with, likely).into_iter();
+        let others: Vec<Variant> = variants.iter().filter(|it| least.allows(it, &with)).cloned().collect();
+        let mut tried = next(judge, &others, &with, likely).into_iter();
         let Some((best, settled)) = tried.next() else { break };
-        if best.evidence_nats < least.gain(likely - none) {
+        if best.evidence_nats < least.gain(judge, &settled.planted(), settled.likely) {
             break;
         }
-        layers.push(Layer { weighed: best, rivals: Vec::new() });
+        let pays_nats = best.gain_nats - best.evidence_nats;
+        layers.push(Layer { weighed: best, pays_nats, rivals: Vec::new() });
         take(&mut layers, settled.effects);
     }
     layers
@@ -84,16 +103,21 @@ pub fn layers(judge: &dyn Judge, variants: &[Variant], least: Least) -> Vec<Laye
 /// remains is in order of its evidence beside all others, by blocks.
 #[must_use]
 pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Layer>, least: Least) -> Vec<Layer> {
-    let none = judge.log_likelihood(&[]);
     for _ in 0..PASSES {
         let mut changed = false;
         for at in (0..layers.len()).rev() {
             let before = layers.remove(at);
+            let as_it_was = [planted(&layers), vec![before.weighed.best.clone()]].concat();
             let rest = settle(judge, planted(&layers));
             take(&mut layers, rest.effects);
-            let mut tried = next(judge, variants, &planted(&layers), rest.likely).into_iter();
+            let with = planted(&layers);
+            let others: Vec<Variant> = variants.iter().filter(|it| least.allows(it, &with)).cloned().collect();
+            let mut tried = next(judge, &others, &with, rest.likely);
+            stays(&mut tried, &before, settle(judge, as_it_was), rest.likely);
+            let mut tried = tried.into_iter();
             let found = tried.next().filter(|(best, settled)| {
-                by_blocks(best, settled, best) >= least.nats && best.gain_nats >= least.gain(settled.likely - none)
+                by_blocks(best, settled, best) >= least.nats
+                    && best.gain_nats >= least.gain(judge, &settled.planted(), settled.likely)
             });
             let Some((best, settled)) = found else {
                 changed = true;
@@ -101,8 +125,8 @@ pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Lay
             };
             changed |= best.effect != before.weighed.effect;
             let rivals = tried.map(|(rival, _)| (rival.effect, by_blocks(&best, &settled, &rival))).collect();
-            let evidence_nats = by_blocks(&best, &settled, &best);
-            layers.push(Layer { weighed: Weighed { evidence_nats, ..best }, rivals });
+            let (evidence_nats, pays_nats) = (by_blocks(&best, &settled, &best), best.gain_nats - best.evidence_nats);
+            layers.push(Layer { weighed: Weighed { evidence_nats, ..best }, pays_nats, rivals });
             take(&mut layers, settled.effects);
             if let Some(last) = layers.pop() {
                 layers.insert(at, last);
@@ -114,6 +138,19 @@ pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Lay
     }
     layers.sort_by(|a, b| b.weighed.evidence_nats.total_cmp(&a.weighed.evidence_nats));
     layers
+}
+
+/// Has an effect that was there already, as `settled` with all sizes found together, be no worse for being thought of again.
+fn stays(tried: &mut Vec<(Weighed, Settled)>, before: &Layer, settled: Settled, likely: f64) {
+    let gain_nats = settled.likely - likely;
+    let anew = tried.iter().position(|(it, _)| it.effect == before.weighed.effect).map(|at| tried.remove(at));
+    if let Some((weighed, anew)) = anew.filter(|(it, _)| it.gain_nats >= gain_nats) {
+        tried.push((weighed, anew));
+    } else {
+        let evidence_nats = gain_nats - before.pays_nats;
+        tried.push((Weighed { gain_nats, evidence_nats, ..before.weighed.clone() }, settled));
+    }
+    tried.sort_by(|a, b| b.0.evidence_nats.total_cmp(&a.0.evidence_nats));
 }
 
 /// The evidence of `of` in the place of `best`, where a nat counts what it does of `best`.
@@ -146,23 +183,41 @@ struct Settled {
     counts: f64,
 }
 
+impl Settled {
+    fn planted(&self) -> Vec<Planted> {
+        self.effects.iter().map(|(planted, _)| planted.clone()).collect()
+    }
+}
+
 /// What may be put beside what is in the world, the most evident first, each with the sizes of all found together.
-fn next(judge: &dyn Judge, variants: &[Variant], with: &[Planted], likely: f64) -> Vec<(Weighed, Settled)> {
-    let new = |it: &&Variant| !with.iter().any(|planted| planted.variant.about.name == it.about.name);
-    let others: Vec<Variant> = variants.iter().filter(new).cloned().collect();
-    let mut weighed = weigh(judge, &others, with, CLOSE);
-    weighed.sort_by(|a, b| b.evidence_nats.total_cmp(&a.evidence_nats));
-    let try_it = |mut it: Weighed| {
-        let all = [with, std::slice::from_ref(&it.best)].concat();
-        let settled = settle(judge, all);
+fn next(judge: &dyn Judge, others: &[Variant], with: &[Planted], likely: f64) -> Vec<(Weighed, Settled)> {
+    let alone = weigh(judge, others, with, CLOSE).into_iter().map(|it| {
+        let start = [with, std::slice::from_ref(&it.best)].concat();
+        (it, start)
+    });
+    let mut worth: Vec<(Weighed, Vec<Planted>)> = alone.collect();
+    // Better, perhaps, than beside the others as they are.
+    for start in if with.is_empty() { Vec::new() } else { starts(judge, others, with) } {
+        let Some(best) = start.effects.last() else { continue };
+        let same = worth.iter_mut().find(|(it, _)| it.effect == best.variant.about.name);
+        let gain_nats = start.likely - likely;
+        if let Some((it, effects)) = same.filter(|(it, _)| it.gain_nats < gain_nats) {
+            let evidence_nats = it.evidence_nats - it.gain_nats + gain_nats;
+            *it = Weighed { best: best.clone(), gain_nats, evidence_nats, ..it.clone() };
+            *effects = start.effects;
+        }
+    }
+    worth.retain(|(it, _)| it.gain_nats > LEAST_ALONE_NATS);
+    worth.sort_by(|a, b| b.0.evidence_nats.total_cmp(&a.0.evidence_nats));
+    let try_it = |(mut it, start): (Weighed, Vec<Planted>)| {
+        let settled = settle(judge, start);
         // What it pays for its size stays what it is.
         let paid = it.evidence_nats - it.gain_nats;
         it.gain_nats = settled.likely - likely;
         it.evidence_nats = it.gain_nats + paid;
         (it, settled)
     };
-    let worth = weighed.into_iter().take(TRIED).filter(|it| it.gain_nats > LEAST_ALONE_NATS);
-    let mut tried: Vec<(Weighed, Settled)> = worth.map(try_it).collect();
+    let mut tried: Vec<(Weighed, Settled)> = worth.into_iter().take(TRIED).map(try_it).collect();
     tried.sort_by(|a, b| b.0.evidence_nats.total_cmp(&a.0.evidence_nats));
     tried
 }

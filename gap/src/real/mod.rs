@@ -6,6 +6,7 @@ pub mod layers;
 mod noise;
 pub mod pedals;
 pub mod scanner;
+mod starts;
 
 use std::collections::BTreeMap;
 
@@ -32,7 +33,7 @@ const ROUNDS: usize = 4;
 /// In so many of the first ones it is looked for where the robot does not do what it is told.
 const LOOKING: usize = 2;
 /// What adds less than this share may as well be what the nominal world's own shape, or the library, is off.
-const LEAST: Least = Least { nats: 10.0, share: 0.01 };
+const LEAST: Least = Least { nats: 10.0, share: 0.01, late_once: true };
 /// Where more of the gap than this remains with every effect in, something is unknown.
 const MOST_REMAINS: f64 = 0.3;
 /// Causes less probable than this are left out.
@@ -46,13 +47,13 @@ const NEGLIGIBLE: f64 = 1e-3;
 ///
 /// # Errors
 /// [`CannotSee`] says what the log lacks.
-pub fn diagnose(library: &Library, variants: &[Variant], log: &Log) -> Result<Diagnosis, CannotSee> {
+pub fn diagnose(nominal: &Library, variants: &[Variant], log: &Log) -> Result<Diagnosis, CannotSee> {
     // A single landmark that stands elsewhere is a robot that does.
-    let shows = |it: &&Variant| it.place() != Place::Scene || library.base.shape.landmarks > 1;
+    let shows = |it: &&Variant| it.place() != Place::Scene || nominal.base.shape.landmarks > 1;
     let variants: Vec<Variant> =
         variants.iter().filter(|it| it.block() != Block::Noise).filter(shows).cloned().collect();
     let aside = Aside::default();
-    let mut library = library.clone();
+    let mut library = nominal.clone();
     let mut best = (f64::NEG_INFINITY, library.clone(), Vec::new());
     let (mut before, mut found): (Option<Library>, Vec<Layer>) = (None, Vec::new());
     for round in 0..ROUNDS {
@@ -72,7 +73,8 @@ pub fn diagnose(library: &Library, variants: &[Variant], log: &Log) -> Result<Di
     let judge = Sighted::new(log, &noisy)?;
     let found = reconsidered(&judge, &variants, found, LEAST);
     let astray_s = noisy.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
-    Ok(Diagnosis { astray_s: Some(astray_s), ..assembled(&judge, &variants, &found) })
+    let noise = Some(noise::compared(nominal, &noisy));
+    Ok(Diagnosis { astray_s: Some(astray_s), noise, ..assembled(&judge, &variants, &found) })
 }
 
 fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagnosis {
@@ -109,6 +111,7 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagno
         next_nats: None,
         smallest_visible: smallest_visible(judge, variants),
         astray_s: None,
+        noise: None,
         calibrated_on: None,
         how_far: far,
     }

@@ -5,22 +5,25 @@
 //! large the noise is, and how long it lasts: everything else is left free there, so that no gap is taken for noise.
 
 use asami_dataset::Log;
-use asami_math::elementary::exp;
+use asami_math::elementary::{exp, logistic};
 use asami_math::optimise::golden_section;
 use asami_math::statistics::median;
 
+use crate::answer::diagnosis::Noise;
 use crate::aside::Aside;
 use crate::blocks::likeliest;
+use crate::directions::Direction;
 use crate::judge::Judge;
 use crate::library::Library;
 use crate::memory::Sway;
 use crate::plant::Planted;
-use crate::shape::Numbers;
+use crate::shape::{Numbers, SPEEDS};
 use crate::sighted::Sighted;
+use crate::tails::Tails;
 use crate::view::CannotSee;
 
 /// Blocks in which the response is made most likely there, one after another, each time once noise is; again and again.
-const FREE: [&str; 3] = ["sensor", "static_motion", "timing"];
+pub(super) const FREE: [&str; 3] = ["sensor", "static_motion", "timing"];
 /// How far a size of noise goes at once, and how closely it is found, in the noise block's standard deviations.
 const FARTHEST: f64 = 3.0;
 const NEAR_ENOUGH: f64 = 0.05;
@@ -39,17 +42,38 @@ const SHARES: [f64; 5] = [0.3, 0.6, 0.8, 0.9, 0.95];
 const FRAMES: [f64; 6] = [2.0, 4.0, 8.0, 16.0, 32.0, 60.0];
 /// Noise lasts only if that is so much more likely, in nats.
 const LASTS_NATS: f64 = 10.0;
+/// Of these each number is found by itself, in such steps: what is far is read less exactly than what is near.
+const ALONE: [(Numbers, f64); 2] = [(Numbers::SizeNoise, 0.3), (Numbers::BearingNoise, 0.3)];
+/// Prior standard deviation of logarithms of standard deviations, of variances and of odds, about the nominal ones: where a log
+/// says next to nothing of a noise, the likeliest is often none at all.
+const UNSURE: f64 = 2.0;
+/// Axes of motion.
+const FORWARD: usize = 1;
+const TURN: usize = 2;
 /// What is kept of it.
 const NOISE: [Numbers; 5] =
     [Numbers::MotionNoise, Numbers::SizeNoise, Numbers::BearingNoise, Numbers::False, Numbers::Detection];
 
 /// The noise made most likely, one size of it after another, as far as that goes: the likelihood is nowhere near quadratic
-/// in it.
-fn scattered(judge: &dyn Judge, mut numbers: Vec<f64>) -> Vec<f64> {
-    for direction in judge.directions(&numbers, "noise") {
+/// in it. After all bands of distance together, each by itself.
+fn scattered(judge: &Sighted<'_>, mut numbers: Vec<f64>) -> Vec<f64> {
+    let (shape, nominal) = (&judge.library.base.shape, &judge.library.base.numbers);
+    let alone = ALONE.into_iter().flat_map(|(group, change)| shape.range(group).map(move |i| (i, change)));
+    let alone = alone.map(|(i, change)| {
+        let mut direction = vec![0.0; numbers.len()];
+        direction[i] = change;
+        direction
+    });
+    let directions: Vec<Direction> = judge.directions(&numbers, "noise").into_iter().chain(alone).collect();
+    for direction in directions {
         let at =
             |by: f64| numbers.iter().zip(&direction).map(|(number, change)| number + by * change).collect::<Vec<_>>();
-        let unlikely = |by: f64| -judge.terms(&at(by)).iter().fold(0.0, |sum, it| sum + it);
+        let moved: Vec<usize> = (0..direction.len()).filter(|i| direction[*i] != 0.0).collect();
+        let strange = |by: f64| {
+            let off = |i: &usize| (numbers[*i] + by * direction[*i] - nominal[*i]) / UNSURE;
+            moved.iter().map(|i| 0.5 * off(i) * off(i)).sum::<f64>() / moved.len().max(1) as f64
+        };
+        let unlikely = |by: f64| strange(by) - likely(judge, &at(by));
         let found = golden_section(unlikely, -FARTHEST, FARTHEST, NEAR_ENOUGH);
         if unlikely(found.x) < unlikely(0.0) {
             numbers = at(found.x);
@@ -60,6 +84,13 @@ fn scattered(judge: &dyn Judge, mut numbers: Vec<f64>) -> Vec<f64> {
 
 fn likely(judge: &dyn Judge, numbers: &[f64]) -> f64 {
     judge.terms(numbers).iter().fold(0.0, |sum, it| sum + it)
+}
+
+/// How often innovations are far off: a camera's readings of marks are not Gaussian, and a single one that is far off would speak
+/// by hundreds of nats for whatever brings it nearer.
+fn tails(judge: &Sighted<'_>, numbers: &[f64]) -> Tails {
+    let genuine = judge.filtered(numbers).innovations.into_iter().filter(|it| it.genuine > 0.5);
+    Tails::learn(&genuine.map(|it| it.white[0] * it.white[0] + it.white[1] * it.white[1]).collect::<Vec<f64>>())
 }
 
 /// Has noise last as long as is most likely: that of sizes, then that of bearings.
@@ -82,6 +113,26 @@ fn last(judge: &mut Sighted<'_>, numbers: &[f64]) {
             }
         }
         judge.memory = best.1;
+    }
+}
+
+/// The noise of a library that has it from a log over a nominal one's.
+pub(super) fn compared(nominal: &Library, noisy: &Library) -> Noise {
+    let shape = &nominal.base.shape;
+    let more = |i: usize| noisy.base.numbers[i] - nominal.base.numbers[i];
+    let mean = |of: &[usize]| of.iter().fold(0.0, |sum, i| sum + more(*i)) / of.len().max(1) as f64;
+    let all = |group: Numbers| exp(mean(&shape.range(group).collect::<Vec<usize>>()));
+    // Variances, slow and fast together: of either alone a log may hold next to nothing.
+    let motion = shape.range(Numbers::MotionNoise).start;
+    let variance = |of: &Library, axis: usize| -> f64 {
+        (1..SPEEDS).map(|class| exp(of.base.numbers[motion + 3 * class + axis])).sum()
+    };
+    let of_axes = [FORWARD, TURN].map(|axis| variance(noisy, axis) / variance(nominal, axis));
+    Noise {
+        size_ratio: all(Numbers::SizeNoise),
+        bearing_ratio: all(Numbers::BearingNoise),
+        motion_ratio: (of_axes[0] * of_axes[1]).powf(0.25),
+        false_share: logistic(noisy.base.numbers[shape.range(Numbers::False).start]),
     }
 }
 
@@ -120,6 +171,7 @@ impl Library {
                 break;
             }
             gone_before = after;
+            judge.memory.tails = tails(&judge, &numbers);
             // Of several landmarks each has a noise of its own.
             if judge.view.landmarks.len() == 1 {
                 last(&mut judge, &numbers);

@@ -4,5 +4,6 @@ pub mod driver;
 pub mod explore;
 pub mod hold;
 pub mod pace;
+pub mod replay;
 pub mod roam;
 pub mod suite;

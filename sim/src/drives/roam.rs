@@ -37,6 +37,28 @@ pub struct Roam {
     current: Option<(f64, Action)>,
 }
 
+impl Roaming {
+    /// What it takes to come back from outside the arena: a turn towards the middle, or on a rail the way towards it; `None`
+    /// inside.
+    pub(super) fn back(&self, pose: &TruePose) -> Option<Action> {
+        if pose.x_m.abs() <= 0.5 * self.arena_x_m && pose.y_m.abs() <= 0.5 * self.arena_y_m {
+            return None;
+        }
+        let off_rad = wrap_rad(atan2(pose.x_m, -pose.y_m) - pose.theta_rad);
+        if self.on_a_rail() {
+            let ahead = off_rad.abs() < std::f64::consts::FRAC_PI_2;
+            return Some(wheels(if ahead { self.most_m_per_s } else { -self.most_m_per_s }, 0.0));
+        }
+        let side = if off_rad < 0.0 { -1.0 } else { 1.0 };
+        let turns = off_rad.abs() > TOWARDS_RAD;
+        Some(if turns { wheels(0.0, side * self.most_rad_per_s) } else { wheels(self.most_m_per_s, 0.0) })
+    }
+
+    fn on_a_rail(&self) -> bool {
+        self.most_rad_per_s == 0.0
+    }
+}
+
 /// A robot heads for the middle where it is headed off it by less than this.
 const TOWARDS_RAD: f64 = 0.3;
 
@@ -47,28 +69,6 @@ impl Roam {
         Self { roaming, rng, pose: None, current: None }
     }
 
-    /// What it takes to come back from outside the arena: a turn towards the middle, or on a rail the way towards it; `None`
-    /// inside.
-    fn back(&self) -> Option<Action> {
-        let pose = self.pose?;
-        let Roaming { arena_x_m, arena_y_m, most_m_per_s, most_rad_per_s, .. } = self.roaming;
-        if pose.x_m.abs() <= 0.5 * arena_x_m && pose.y_m.abs() <= 0.5 * arena_y_m {
-            return None;
-        }
-        let off_rad = wrap_rad(atan2(pose.x_m, -pose.y_m) - pose.theta_rad);
-        if self.on_a_rail() {
-            let ahead = off_rad.abs() < std::f64::consts::FRAC_PI_2;
-            return Some(wheels(if ahead { most_m_per_s } else { -most_m_per_s }, 0.0));
-        }
-        let side = if off_rad < 0.0 { -1.0 } else { 1.0 };
-        let turns = off_rad.abs() > TOWARDS_RAD;
-        Some(if turns { wheels(0.0, side * most_rad_per_s) } else { wheels(most_m_per_s, 0.0) })
-    }
-
-    fn on_a_rail(&self) -> bool {
-        self.roaming.most_rad_per_s == 0.0
-    }
-
     /// Draws a command and how long it is held.
     fn draw(&mut self) -> (f64, Action) {
         let Roaming { least_hold_s, most_hold_s, most_m_per_s, most_rad_per_s, straight, on_the_spot, .. } =
@@ -76,7 +76,7 @@ impl Roam {
         let [hold, kind, speed, turn] = std::array::from_fn(|_| self.rng.random::<f64>());
         let (v, omega) = (most_m_per_s * speed, most_rad_per_s * (2.0 * turn - 1.0));
         let action = match kind {
-            _ if self.on_a_rail() => wheels(most_m_per_s * (2.0 * speed - 1.0), 0.0),
+            _ if self.roaming.on_a_rail() => wheels(most_m_per_s * (2.0 * speed - 1.0), 0.0),
             kind if kind < straight => wheels(v, 0.0),
             kind if kind < straight + on_the_spot => wheels(0.0, omega),
             _ => wheels(v, omega),
@@ -100,7 +100,7 @@ impl Drive for Roam {
     }
 
     fn act(&mut self, t_s: f64, _seen: &Seen) -> Action {
-        if let Some(back) = self.back() {
+        if let Some(back) = self.pose.as_ref().and_then(|pose| self.roaming.back(pose)) {
             self.current = None;
             return back;
         }

@@ -43,6 +43,7 @@ pub mod steering_ratio;
 pub mod sweep_motion;
 pub mod throttle_deadband;
 pub mod throttle_delay;
+pub mod turn_slowing;
 pub mod tyre_slip;
 pub mod unequal_wheels;
 pub mod vertical_angle_bias;
@@ -124,6 +125,7 @@ effects! {
     battery_sag => BatterySag,
     ground_friction => GroundFriction,
     slope => Slope,
+    turn_slowing => TurnSlowing,
     unequal_wheels => UnequalWheels,
     wheel_base => WheelBase,
     wheel_lag => WheelLag,

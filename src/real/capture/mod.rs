@@ -2,8 +2,8 @@
 //! where landmarks were.
 //!
 //! Motion is measured over windows of a second, of which truth is known throughout: the way forward in the robot's frame
-//! against the commanded speed's integral, the turn against the commanded turning rate's integral and the way; commands act
-//! some time later, all at once or as through a lag. The frame that capture gives a robot hangs on how its markers were put
+//! against the commanded speed's integral, and that of the speed times the squared turning rate, the turn against the commanded
+//! turning rate's integral and the way; commands act some time later, as through a lag, or both. The frame that capture gives a robot hangs on how its markers were put
 //! on: ahead is where the robot goes when it is not turning. Windows in which a robot does something else altogether (it is
 //! held up, or its own reflexes overrule what it is told) count for nothing. Nothing here is given to a diagnosis.
 
@@ -36,8 +36,20 @@ const LEAST: usize = 30;
 pub struct Capture {
     /// Values, by `NAME.PARAM` of the effect that would bring them about.
     pub values: BTreeMap<String, f64>,
+    /// Those that differ where both are there: a delay and a lag.
+    pub together: BTreeMap<String, f64>,
     /// How much of what motion is off each of the discrepancies explains alone, the largest first.
     pub shares: Vec<(&'static str, f64)>,
+}
+
+impl Capture {
+    /// Has values be those beside what is named with them.
+    pub fn suit(&mut self, named: &[&str]) {
+        let is_named = |parameter: &String| named.iter().any(|name| parameter.split('.').next() == Some(name));
+        if self.together.keys().all(is_named) {
+            self.values.append(&mut self.together);
+        }
+    }
 }
 
 /// A window: the way that was made, in the robot's frame, and the turn.
@@ -51,6 +63,11 @@ struct Window {
 }
 
 impl Window {
+    /// The way forward, 0, or the turn, 1.
+    fn moved(&self, axis: usize) -> f64 {
+        [self.forward_m, self.turn_rad][axis]
+    }
+
     /// The same way in a frame that is turned to the left.
     fn look(&mut self, turned_rad: f64) {
         let (sin, cos) = sin_cos(turned_rad);
@@ -118,8 +135,8 @@ mod tests {
 
     use super::*;
 
-    /// A robot that goes 0.9 times as fast as told, turns 0.8 times as fast, bends to the left by 0.05 rad a metre, and does so
-    /// some time late; its camera reports depths, 2 % and 0.1 m too long, 0.02 rad to the left; the capture has it look
+    /// A robot that goes 0.9 times as fast as told, and slower in turns, turns 0.8 times as fast, bends to the left by 0.05 rad a
+    /// metre, and does so some time late; its camera reports depths, 2 % and 0.1 m too long, 0.02 rad to the left; the capture has it look
     /// `markers_rad` to the left of where it goes.
     fn log(delay_s: f64, markers_rad: f64) -> Dataset {
         let command = |i: i32| {
@@ -135,7 +152,9 @@ mod tests {
         for i in 0..12_000 {
             let at = commands.partition_point(|it| it.t_s <= pose.t_s - delay_s + 1e-9);
             let (v, omega) = match at.checked_sub(1).map(|at| commands[at].action) {
-                Some(Action::Wheels { v_m_per_s, omega_rad_per_s, .. }) => (0.9 * v_m_per_s, 0.8 * omega_rad_per_s),
+                Some(Action::Wheels { v_m_per_s: v, omega_rad_per_s: omega, .. }) => {
+                    (0.9 * v * (1.0 - 2.0 * omega * omega), 0.8 * omega)
+                }
                 _ => (0.0, 0.0),
             };
             let turned = 0.01 * (omega + 0.05 * v);
@@ -166,8 +185,9 @@ mod tests {
         };
         near("command_scale.y_ratio", 0.9, 0.005);
         near("command_scale.theta_ratio", 0.8, 0.01);
-        near("wheel_base.ratio", 0.9 / 0.8, 0.015);
+        near("wheel_base.ratio", 1.0 / 0.8, 0.015);
         near("unequal_wheels.ratio", 1.0 + 0.258 * 0.05, 0.001);
+        near("turn_slowing.loss_s2", 2.0, 0.05);
         near("command_delay.delay_s", 0.3, 0.021);
         near("range_scale.ratio", 1.02, 1e-6);
         near("range_offset.offset_m", 0.1, 1e-6);
@@ -177,6 +197,19 @@ mod tests {
         near("wheel_lag.lag_s", less + 0.03, 1e-9);
         let at_once = capture(&log(0.0, 0.0), 0.0).shares;
         assert!(at_once[0].0 == "scale" && at_once[0].1 > 0.9, "{at_once:?}");
+    }
+
+    /// A delay and a lag that are both named have the sizes that they have together.
+    #[test]
+    fn what_is_named_has_the_sizes_that_suit_it() {
+        let mut found = capture(&log(0.3, 0.0), 0.0);
+        let (alone, together) = (found.values.clone(), found.together.clone());
+        found.suit(&["wheel_lag", "turn_slowing"]);
+        assert_eq!(found.values, alone);
+        found.suit(&["wheel_lag", "command_delay"]);
+        assert_eq!(found.values["wheel_lag.lag_s"], together["wheel_lag.lag_s"]);
+        assert!((found.values["command_delay.delay_s"] - 0.3).abs() < 0.021 && found.values["wheel_lag.lag_s"] < 0.03);
+        assert!(alone["wheel_lag.lag_s"] > 0.1);
     }
 
     /// How markers were put on a robot says nothing of the robot.

@@ -60,7 +60,11 @@ pub fn of_car(dataset: &Dataset, car: &CarConfig) -> Capture {
         ("steering_ratio.ratio", all.ratio),
         ("steering_lag.lag_s", lag_s),
     ];
-    Capture { values: values.into_iter().map(|(name, value)| (name.to_owned(), value)).collect(), shares }
+    Capture {
+        values: values.into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
+        shares,
+        ..Capture::default()
+    }
 }
 
 /// What is left where an offset and a ratio are free, or not.

@@ -103,6 +103,23 @@ fn a_wider_base_turns_less() {
     assert!((forward - 0.3).abs() < 3e-3 && turn.abs() < 2e-3, "{forward} {turn}");
 }
 
+/// Curves tighten: the way round is shorter, and the turn is whole. On the spot and straight on nothing is lost; at worst all is.
+#[test]
+fn a_robot_that_slows_down_in_turns_drives_tighter_circles() {
+    let slows = |loss_s2: f64, command: [f64; 2]| {
+        velocity(&drive(&exact(), &effects(&[("turn_slowing", "loss_s2", loss_s2)]), command, 8.0))
+    };
+    let [_, forward, turn] = slows(2.8, [0.2, 0.4]);
+    let radius_m = 0.2 / 0.4 * (1.0 - 2.8 * 0.16);
+    assert!((forward / turn - radius_m).abs() < 0.01 * radius_m && (turn - 0.4).abs() < 2e-3, "{forward} {turn}");
+    for command in [[0.2, 0.0], [0.0, 0.4]] {
+        let [_, forward, turn] = slows(2.8, command);
+        assert!((forward - command[0]).abs() < 1e-3 && (turn - command[1]).abs() < 2e-3, "{forward} {turn}");
+    }
+    let [_, forward, _] = slows(20.0, [0.2, 0.6]);
+    assert!(forward.abs() < 1e-3, "{forward}");
+}
+
 /// From rest, a time constant later 1 - 1/e of the speed is there.
 #[test]
 fn a_lag_takes_its_time() {
