@@ -80,10 +80,10 @@ fn what_is_noisier_than_its_simulator_has_no_gap() {
             assert!((found / ratio - 1.0).abs() < 0.2, "{noise:?}: {found}, not {ratio}");
         }
         let said = diagnosis.noise.unwrap();
-        for (found, ratio) in
-            [(said.size_ratio, noise[1]), (said.bearing_ratio, noise[2]), (said.motion_ratio, noise[0])]
-        {
-            assert!((found / ratio - 1.0).abs() < 0.25, "{noise:?}: {said:?}");
+        // Of motion 45 s say little.
+        let [size, bearing, motion] = [said.size_ratio, said.bearing_ratio, said.motion_ratio];
+        for (found, ratio, most) in [(size, noise[1], 1.25), (bearing, noise[2], 1.25), (motion, noise[0], 2.5)] {
+            assert!(found < most * ratio && ratio < most * found, "{noise:?}: {said:?}");
         }
     }
 }
