@@ -103,13 +103,14 @@ impl Lags {
         let over: Vec<[f64; 3]> = windows.iter().map(|window| commanded.over(window.from_s - late.delay_s)).collect();
         let squares = |k: usize| over.iter().fold(0.0, |sum, it| sum + it[k] * it[k]);
         let (turns, slows) = (squares(1) > 1e-9, squares(2) > 1e-12);
-        let fitted = |axis: usize, of: [usize; 2], free: [bool; 2]| {
+        let fitted = |axis: usize, of: &dyn Fn(&[f64; 3]) -> [f64; 2], free: [bool; 2]| {
             let counting = windows.iter().zip(&over).filter(|(window, _)| window.counts[axis]);
-            weights(counting.map(|(window, it)| (of.map(|k| it[k]), window.moved(axis))), free)
+            weights(counting.map(|(window, it)| (of(it), window.moved(axis))), free)
         };
-        let [forward, more] = fitted(0, [0, 2], [free.scaled, free.slowed && slows]);
-        let [turn, bend_rad_per_m] = fitted(1, [1, 0], [free.scaled && turns, free.bent]);
-        let made = |it: &[f64; 3]| [forward * it[0] + more * it[2], turn * it[1] + bend_rad_per_m * it[0]];
+        let [forward, more] = fitted(0, &|it| [it[0], it[2]], [free.scaled, free.slowed && slows]);
+        let way_m = |it: &[f64; 3]| forward * it[0] + more * it[2];
+        let [turn, bend_rad_per_m] = fitted(1, &|it| [it[1], way_m(it)], [free.scaled && turns, free.bent]);
+        let made = |it: &[f64; 3]| [way_m(it), turn * it[1] + bend_rad_per_m * way_m(it)];
         let off = |(window, it): (&Window, &[f64; 3])| [0, 1].map(|k| window.moved(k) - made(it)[k]);
         let off: Vec<[f64; 2]> = windows.iter().zip(&over).map(off).collect();
         let left = |k: usize| {
@@ -212,7 +213,7 @@ pub(super) fn motion(dataset: &Dataset, windows: &mut [Window], own_lag_s: f64, 
         ("command_scale.theta_ratio", found.turn),
         ("wheel_base.ratio", 1.0 / found.turn),
         ("turn_slowing.loss_s2", found.loss_s2),
-        ("unequal_wheels.ratio", 1.0 + BASE_M * found.bend_rad_per_m / found.forward),
+        ("unequal_wheels.ratio", 1.0 + BASE_M * found.bend_rad_per_m),
         (DELAY, delayed.delay_s),
         (LAG, own(lagged.lag_s)),
     ] {
