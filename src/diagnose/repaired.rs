@@ -65,7 +65,7 @@ pub fn repaired(text: &str, cause: &Cause) -> Result<String, CannotRepair> {
 /// [`CannotRepair`] as of either.
 pub fn whole(text: &str, cause: &Cause, diagnosis: &Diagnosis) -> Result<String, CannotRepair> {
     let repaired = repaired(text, cause)?;
-    diagnosis.noise.map_or(Ok(repaired.clone()), |noise| noisy(&repaired, &noise))
+    if let Some(noise) = &diagnosis.noise { noisy(&repaired, noise) } else { Ok(repaired) }
 }
 
 /// `text`, a scenario of a robot on wheels, as noisy as a log says; others stay as they are.

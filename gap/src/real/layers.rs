@@ -63,11 +63,13 @@ pub struct Least {
 }
 
 impl Least {
-    /// Whether a kind may be named beside these.
-    fn allows(&self, variant: &Variant, with: &[Planted]) -> bool {
+    /// The kinds that may be named beside these.
+    fn beside(&self, variants: &[Variant], with: &[Planted]) -> Vec<Variant> {
         let late = |it: &Variant| it.place() == Place::Actuation && it.block() == Block::Timing;
-        let named = |it: &Planted| it.variant.about.name == variant.about.name;
-        !with.iter().any(|it| named(it) || self.late_once && late(&it.variant) && late(variant))
+        let rules_out = |it: &Planted, variant: &Variant| {
+            it.variant.about.name == variant.about.name || self.late_once && late(&it.variant) && late(variant)
+        };
+        variants.iter().filter(|variant| !with.iter().any(|it| rules_out(it, variant))).cloned().collect()
     }
 
     /// What the last of these effects must gain, all of which together are so likely.
@@ -86,8 +88,7 @@ pub fn layers(judge: &dyn Judge, variants: &[Variant], least: Least) -> Vec<Laye
     while layers.len() < MOST {
         let with = planted(&layers);
         let likely = judge.log_likelihood(&with);
-        let others: Vec<Variant> = variants.iter().filter(|it| least.allows(it, &with)).cloned().collect();
-        let mut tried = next(judge, &others, &with, likely).into_iter();
+        let mut tried = next(judge, &least.beside(variants, &with), &with, likely).into_iter();
         let Some((best, settled)) = tried.next() else { break };
         if best.evidence_nats < least.gain(judge, &settled.planted(), settled.likely) {
             break;
@@ -111,8 +112,7 @@ pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Lay
             let rest = settle(judge, planted(&layers));
             take(&mut layers, rest.effects);
             let with = planted(&layers);
-            let others: Vec<Variant> = variants.iter().filter(|it| least.allows(it, &with)).cloned().collect();
-            let mut tried = next(judge, &others, &with, rest.likely);
+            let mut tried = next(judge, &least.beside(variants, &with), &with, rest.likely);
             stays(&mut tried, &before, settle(judge, as_it_was), rest.likely);
             let mut tried = tried.into_iter();
             let found = tried.next().filter(|(best, settled)| {

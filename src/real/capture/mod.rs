@@ -2,10 +2,11 @@
 //! where landmarks were.
 //!
 //! Motion is measured over windows of a second, of which truth is known throughout: the way forward in the robot's frame
-//! against the commanded speed's integral, and that of the speed times the squared turning rate, the turn against the commanded
-//! turning rate's integral and the way; commands act some time later, as through a lag, or both. The frame that capture gives a robot hangs on how its markers were put
-//! on: ahead is where the robot goes when it is not turning. Windows in which a robot does something else altogether (it is
-//! held up, or its own reflexes overrule what it is told) count for nothing. Nothing here is given to a diagnosis.
+//! against the commanded speed's integral, and that of the speed times the squared turning rate, the turn against the
+//! commanded turning rate's integral and the way; commands act some time later, as through a lag, or both. The frame that
+//! capture gives a robot hangs on how its markers were put on: ahead is where the robot goes when it is not turning. Windows
+//! in which a robot does something else altogether (it is held up, or its own reflexes overrule what it is told) count for
+//! nothing. Nothing here is given to a diagnosis.
 
 mod motion;
 mod sightings;
@@ -135,9 +136,9 @@ mod tests {
 
     use super::*;
 
-    /// A robot that goes 0.9 times as fast as told, and slower in turns, turns 0.8 times as fast, bends to the left by 0.05 rad a
-    /// metre, and does so some time late; its camera reports depths, 2 % and 0.1 m too long, 0.02 rad to the left; the capture has it look
-    /// `markers_rad` to the left of where it goes.
+    /// A robot that goes 0.9 times as fast as told, and slower in turns, turns 0.8 times as fast, bends to the left by 0.05
+    /// rad a metre, and does so some time late; its camera reports depths, 2 % and 0.1 m too long, 0.02 rad to the left;
+    /// the capture has it look `markers_rad` to the left of where it goes.
     fn log(delay_s: f64, markers_rad: f64) -> Dataset {
         let command = |i: i32| {
             let t_s = 2.5 * f64::from(i);

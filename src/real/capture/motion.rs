@@ -37,7 +37,7 @@ struct Free {
 const NOTHING: Free = Free { scaled: false, slowed: false, bent: false };
 const ALL: Free = Free { scaled: true, slowed: true, bent: true };
 
-/// An effect that capture shows the size of.
+/// What a delay and a lag are called that capture shows.
 const DELAY: &str = "command_delay.delay_s";
 const LAG: &str = "wheel_lag.lag_s";
 
@@ -83,15 +83,16 @@ impl Commanded {
     }
 }
 
-/// Commands behind every lag that is tried.
-struct Lags(Vec<(f64, Commanded)>);
+/// Commands behind every lag that is tried, the shortest first.
+struct Lags(Vec<Commanded>);
 
 impl Lags {
     fn new(commands: &[Command]) -> Self {
-        Self(up_to(MOST_LATE_S, FINE_S).map(|lag_s| (lag_s, Commanded::new(commands, lag_s))).collect())
+        Self(up_to(MOST_LATE_S, FINE_S).map(|lag_s| Commanded::new(commands, lag_s)).collect())
     }
 
-    /// The best of a few ways to be late.
+    /// The best of a few ways to be late, by squares in units of `scale`; where there is none, of the least that any
+    /// of them leaves.
     fn best(&self, windows: &[Window], late: &[Late], free: Free, scale: Option<[f64; 2]>) -> Option<Left> {
         let fits: Vec<Left> = late.iter().filter_map(|late| self.fit(windows, *late, free)).collect();
         let scale = scale.unwrap_or_else(|| least_squares_left(fits.iter()));
@@ -99,7 +100,7 @@ impl Lags {
     }
 
     fn fit(&self, windows: &[Window], late: Late, free: Free) -> Option<Left> {
-        let (_, commanded) = self.0.get((late.lag_s / FINE_S).round() as usize)?;
+        let commanded = self.0.get((late.lag_s / FINE_S).round() as usize)?;
         let over: Vec<[f64; 3]> = windows.iter().map(|window| commanded.over(window.from_s - late.delay_s)).collect();
         let squares = |k: usize| over.iter().fold(0.0, |sum, it| sum + it[k] * it[k]);
         let (turns, slows) = (squares(1) > 1e-9, squares(2) > 1e-12);
