@@ -38,6 +38,27 @@ pub struct Memory {
     pub tails: Tails,
     /// Time from frame to frame, in seconds.
     pub frame_s: f64,
+    /// Where nothing sways: what landmarks' sizes are off for a while.
+    #[serde(default)]
+    pub lasting: Lasting,
+}
+
+/// What a landmark's sizes are off for a while, each landmark's by itself, as a camera reads a mark from where it stands: an
+/// autoregression of first order in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Lasting {
+    /// Its variance, as a share of that of all noise of sizes.
+    pub share: f64,
+    /// It fades to 1/e in so many seconds.
+    pub fades_s: f64,
+}
+
+impl Lasting {
+    /// What is left of it after so many seconds.
+    #[must_use]
+    pub fn kept(self, dt_s: f64) -> f64 {
+        if self.fades_s > 0.0 { exp(-dt_s / self.fades_s) } else { 0.0 }
+    }
 }
 
 /// A sway: `s_t = p s_(t-1) + q s_(t-2) + e_t`, of variance 1.
@@ -70,7 +91,13 @@ impl Default for Sway {
 
 impl Default for Memory {
     fn default() -> Self {
-        Self { sways: [[Sway::default(); 2]; PACES], spread: [1.0; 2], tails: Tails::default(), frame_s: 0.0 }
+        Self {
+            sways: [[Sway::default(); 2]; PACES],
+            spread: [1.0; 2],
+            tails: Tails::default(),
+            frame_s: 0.0,
+            lasting: Lasting::default(),
+        }
     }
 }
 
@@ -85,6 +112,19 @@ impl Memory {
     #[must_use]
     pub fn sways(&self) -> bool {
         self.sways.iter().flatten().any(|sway| sway.share > 0.0)
+    }
+
+    /// Whether what landmarks' sizes are off lasts: nothing does where anything sways.
+    #[must_use]
+    pub fn lasts(&self) -> bool {
+        self.lasting.share > 0.0 && !self.sways()
+    }
+
+    /// What lasts of the sizes of a robot on wheels: of a single landmark it is their sway.
+    #[must_use]
+    pub fn fading(&self) -> Lasting {
+        let Sway { share, on: [kept, _], .. } = self.sways[0][0];
+        if share > 0.0 && kept > 0.0 { Lasting { share, fades_s: -self.frame_s / ln(kept) } } else { self.lasting }
     }
 }
 

@@ -1,5 +1,7 @@
 //! What the filter believes: the pose, and the sways of the sensor.
 
+use std::ops::Range;
+
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector3};
 
 use crate::memory::Sway;
@@ -13,8 +15,8 @@ pub struct Belief {
     pub covariance: Matrix3<f64>,
 }
 
-/// A pose, and after it, where anything sways, the sways of sizes and of bearings at this frame and the one before, each of
-/// variance 1.
+/// A pose, and after it, where anything sways, the sways of sizes and of bearings at this frame and the one before; or, where
+/// landmarks' errors last, those of the few that were seen last. Each is of variance 1.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State<const N: usize> {
     pub(crate) mean: SVector<f64, N>,
@@ -23,10 +25,24 @@ pub(crate) struct State<const N: usize> {
 
 /// Where a state holds the sways of sizes and of bearings.
 pub(crate) const SWAYS: [usize; 2] = [3, 5];
-/// Numbers of a state with sways, and of one without.
+/// Where it holds landmarks' errors.
+pub(crate) const ERRORS: Range<usize> = 3..LASTING;
+/// Numbers of a state with sways, of one with errors, and of one without either.
 pub(crate) const SWAYING: usize = 7;
+pub(crate) const LASTING: usize = 8;
 pub(crate) const STEADY: usize = 3;
+
 impl<const N: usize> State<N> {
+    /// Where it holds sways, if it does.
+    pub(crate) fn sways() -> impl Iterator<Item = usize> {
+        SWAYS.into_iter().filter(|_| N == SWAYING)
+    }
+
+    /// Where it holds landmarks' errors, if it does.
+    pub(crate) fn errors() -> Range<usize> {
+        if N == LASTING { ERRORS } else { 0..0 }
+    }
+
     pub(crate) fn new(belief: &Belief) -> Self {
         let mut mean = SVector::<f64, N>::zeros();
         let mut covariance = SMatrix::<f64, N, N>::zeros();
@@ -34,6 +50,7 @@ impl<const N: usize> State<N> {
         covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&belief.covariance);
         let mut state = Self { mean, covariance };
         state.forget_sways(&[Sway::default(); 2]);
+        Self::errors().for_each(|at| state.forget_error(at));
         state
     }
 
@@ -46,14 +63,22 @@ impl<const N: usize> State<N> {
 
     /// Of the sways nothing is known but how they are distributed.
     pub(crate) fn forget_sways(&mut self, sways: &[Sway; 2]) {
-        for (at, sway) in SWAYS.into_iter().zip(sways).filter(|(at, _)| *at < N) {
-            for i in [at, at + 1] {
-                self.mean[i] = 0.0;
-                self.covariance.row_mut(i).fill(0.0);
-                self.covariance.column_mut(i).fill(0.0);
-            }
+        for (at, sway) in Self::sways().zip(sways) {
+            [at, at + 1].into_iter().for_each(|i| self.clear(i));
             let [var, next] = sway.correlations::<2>();
             self.covariance.fixed_view_mut::<2, 2>(at, at).copy_from(&Matrix2::new(var, next, next, var));
         }
+    }
+
+    /// Of the error at `at` nothing is known any more.
+    pub(crate) fn forget_error(&mut self, at: usize) {
+        self.clear(at);
+        self.covariance[(at, at)] = 1.0;
+    }
+
+    fn clear(&mut self, i: usize) {
+        self.mean[i] = 0.0;
+        self.covariance.row_mut(i).fill(0.0);
+        self.covariance.column_mut(i).fill(0.0);
     }
 }

@@ -88,6 +88,10 @@ pub fn noisy(text: &str, noise: &Noise) -> Result<String, CannotRepair> {
     ] {
         edited["create"][table][key] = toml_edit::value((was * ratio).min(MOST_NOISE));
     }
+    if noise.lasting_share > 0.0 {
+        edited["create"]["sight"]["lasting_share"] = toml_edit::value(noise.lasting_share);
+        edited["create"]["sight"]["fades_s"] = toml_edit::value(noise.fades_s);
+    }
     let edited = edited.to_string();
     parsed(&edited).map_err(failed)?;
     Ok(edited)
@@ -134,6 +138,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use asami_gap::answer::diagnosis::Estimate;
+    use asami_sim::robots::create::config::Sight;
 
     use super::*;
 
@@ -197,7 +202,8 @@ learner = "canonical"
     /// A robot on wheels takes the noise of its log, wherever its scenario says how noisy it is; a walking one stays as it is.
     #[test]
     fn a_repaired_robot_is_as_noisy_as_its_log() {
-        let noise = Noise { size_ratio: 2.0, bearing_ratio: 0.5, motion_ratio: 3.0, false_share: 0.0 };
+        let of_scatter = Noise { size_ratio: 2.0, bearing_ratio: 0.5, motion_ratio: 3.0, ..Noise::default() };
+        let noise = Noise { lasting_share: 0.75, fades_s: 8.0, ..of_scatter };
         let nominal = include_str!("../../scenarios/create.toml");
         let text = noisy(nominal, &noise).unwrap();
         assert!(text.contains("# numbers of no log"), "remarks are kept");
@@ -212,6 +218,10 @@ learner = "canonical"
         assert!((after.sight.sigma1_m - 2.0 * before.sight.sigma1_m).abs() < 1e-15);
         assert!((after.sight.sigma2_rad - 0.5 * before.sight.sigma2_rad).abs() < 1e-15);
         assert!((after.wheels.jitter_m_per_s - 3.0 * before.wheels.jitter_m_per_s).abs() < 1e-15);
+        let lasts = |it: &Sight| [it.lasting_share, it.fades_s];
+        assert_eq!(lasts(&after.sight), [0.75, 8.0]);
+        let white = of(&noisy(nominal, &of_scatter).unwrap());
+        assert_eq!(lasts(&white.sight), lasts(&before.sight));
         assert_eq!(noisy(NOMINAL, &noise).unwrap(), NOMINAL);
     }
 

@@ -78,6 +78,11 @@ pub fn text(diagnosis: &Diagnosis) -> String {
         let nominal =
             format!("sizes scatter {size} times as nominally, bearings {bearing} times, motion {motion} times");
         say("noise", &format!("{nominal} (of a quarter of the log that is set aside)"));
+        if noise.lasting_share > 0.0 {
+            let [percent, fades_s] = [100.0 * noise.lasting_share, noise.fades_s].map(digits);
+            let lasts = format!("{percent} % of the variance of sizes lasts: it fades to 1/e in {fades_s} s");
+            say("", &format!("{lasts}, each landmark's by itself"));
+        }
     }
     if diagnosis.verdict == Verdict::None && !diagnosis.smallest_visible.is_empty() {
         let visible =

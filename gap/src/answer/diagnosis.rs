@@ -51,7 +51,7 @@ pub struct Diagnosis {
 }
 
 /// Standard deviations over those of the nominal world.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Noise {
     /// Of sizes or ranges, in the (geometric) mean over bands of distance.
     pub size_ratio: f64,
@@ -61,6 +61,12 @@ pub struct Noise {
     pub motion_ratio: f64,
     /// Share of the sightings that are of something else.
     pub false_share: f64,
+    /// Share of the variance of sizes that lasts for a while, each landmark's by itself.
+    #[serde(default)]
+    pub lasting_share: f64,
+    /// It fades to 1/e in so many seconds.
+    #[serde(default)]
+    pub fades_s: f64,
 }
 
 /// The answer in one word.

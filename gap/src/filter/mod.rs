@@ -5,6 +5,7 @@
 //! equations 4.13 and 4.14), and the standardised innovations.
 
 mod detection;
+mod errors;
 mod told;
 
 use std::f64::consts::TAU;
@@ -18,11 +19,12 @@ use crate::columns::Group;
 use crate::hears::{Filtered, Hears, Innovation};
 use crate::memory::{Memory, Sway, pace};
 use crate::shape::{CHANGING, Numbers, Shape, Sight, speed_class};
-use crate::state::{Belief, STEADY, SWAYING, SWAYS, State};
+use crate::state::{Belief, LASTING, STEADY, SWAYING, State};
 use crate::tails::Tails;
 use crate::view::{Seen, View};
 use detection::Seeing;
 pub use detection::{Counted, Counts, UNCOUNTED, counted};
+use errors::Held;
 use told::{Odd, Part, Told};
 
 /// Variances that a second adds where a robot goes astray: 0.3 m to the right and forwards, a radian.
@@ -62,6 +64,8 @@ struct Ready<'a> {
     size_columns: Vec<f64>,
     bearing_columns: Vec<f64>,
     memory: Memory,
+    /// Whose errors are held.
+    held: Held,
     /// Whether the robot may be anywhere near by now.
     lost: bool,
     /// How likely the last sighting was of something else.
@@ -97,6 +101,8 @@ impl Walk<'_> {
         let mut ready = Ready::new(self.shape, self.numbers, self.memory);
         if self.memory.sways() {
             ready.walk::<SWAYING, _>(self, steps, belief, who);
+        } else if self.memory.lasts() {
+            ready.walk::<LASTING, _>(self, steps, belief, who);
         } else {
             ready.walk::<STEADY, _>(self, steps, belief, who);
         }
@@ -126,6 +132,7 @@ impl<'a> Ready<'a> {
             size_columns: vec![0.0; shape.width(Numbers::Size)],
             bearing_columns: vec![0.0; shape.width(Numbers::Bearing)],
             memory,
+            held: Held::default(),
             lost: false,
             doubted: 0.0,
         }
@@ -207,7 +214,7 @@ impl<'a> Ready<'a> {
         if gap {
             state.forget_sways(&sways);
         }
-        for (at, sway) in SWAYS.into_iter().zip(&sways).filter(|(at, _)| *at < N && !gap) {
+        for (at, sway) in State::<N>::sways().zip(&sways).filter(|_| !gap) {
             let now = sway.on[0] * state.mean[at] + sway.on[1] * state.mean[at + 1];
             (state.mean[at], state.mean[at + 1]) = (now, state.mean[at]);
             f[(at, at)] = sway.on[0];
@@ -215,12 +222,18 @@ impl<'a> Ready<'a> {
             f[(at + 1, at)] = 1.0;
             f[(at + 1, at + 1)] = 0.0;
         }
+        let kept = self.memory.lasting.kept(step.dt_s);
+        for at in State::<N>::errors() {
+            state.mean[at] *= kept;
+            f[(at, at)] = kept;
+        }
         state.covariance = f * state.covariance * f.transpose();
         let mut of_pose = state.covariance.fixed_view_mut::<3, 3>(0, 0);
         of_pose += q;
-        for (at, sway) in SWAYS.into_iter().zip(&sways).filter(|(at, _)| *at < N && !gap) {
+        for (at, sway) in State::<N>::sways().zip(&sways).filter(|_| !gap) {
             state.covariance[(at, at)] += sway.fresh_var();
         }
+        State::<N>::errors().for_each(|at| state.covariance[(at, at)] += 1.0 - kept * kept);
     }
 
     /// The sways at the pace of a step.
@@ -263,13 +276,17 @@ impl<'a> Ready<'a> {
         let mut plain = Vector2::new(size - expected[0], wrap_rad(bearing_rad - expected[1]));
         let mut h = SMatrix::<f64, 2, N>::zeros();
         h.fixed_view_mut::<2, 3>(0, 0).copy_from(&of_pose);
-        for (k, at) in SWAYS.into_iter().enumerate().filter(|(_, at)| *at < N) {
-            h[(k, at)] = (sways[k].share * vars[k]).sqrt();
+        let Memory { spread, tails, lasting, .. } = self.memory;
+        let swaying = State::<N>::sways().enumerate().map(|(k, at)| (k, at, sways[k].share));
+        let held = self.held.of(landmark, state).map(|at| (0, at, lasting.share));
+        let mut shared = [0.0; 2];
+        for (k, at, share) in swaying.chain(held) {
+            shared[k] = share;
+            h[(k, at)] = (share * vars[k]).sqrt();
             plain[k] -= h[(k, at)] * state.mean[at];
         }
-        let white_var = |k: usize| vars[k] * (1.0 - sways[k].share);
+        let white_var = |k: usize| vars[k] * (1.0 - shared[k]);
         let r = Matrix2::from_diagonal(&Vector2::new(white_var(0), white_var(1)));
-        let Memory { spread, tails, .. } = self.memory;
         let tails = if view.aims { tails } else { Tails::default() };
         let odd = Odd { plain, h, r, spread, tails, aims: view.aims };
         let Some(told) = odd.told(&state.covariance) else {

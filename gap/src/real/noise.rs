@@ -15,7 +15,7 @@ use crate::blocks::likeliest;
 use crate::directions::Direction;
 use crate::judge::Judge;
 use crate::library::Library;
-use crate::memory::Sway;
+use crate::memory::{Lasting, Memory, Sway};
 use crate::plant::Planted;
 use crate::shape::{Numbers, SPEEDS};
 use crate::sighted::Sighted;
@@ -40,10 +40,17 @@ const LEAST_LN_SD: f64 = -6.9;
 /// Shares of noise that may last, and frames in which it fades to 1/e.
 const SHARES: [f64; 5] = [0.3, 0.6, 0.8, 0.9, 0.95];
 const FRAMES: [f64; 6] = [2.0, 4.0, 8.0, 16.0, 32.0, 60.0];
+/// The same of what each landmark's sizes are off by themselves, in seconds.
+const FADES_S: [f64; 7] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+/// What a landmark's sizes are off lasts at first: as long as it is taken to be new each time, it seems to be motion.
+const AT_FIRST: Lasting = Lasting { share: 0.6, fades_s: 8.0 };
 /// Noise lasts only if that is so much more likely, in nats.
 const LASTS_NATS: f64 = 10.0;
 /// Of these each number is found by itself, in such steps: what is far is read less exactly than what is near.
 const ALONE: [(Numbers, f64); 2] = [(Numbers::SizeNoise, 0.3), (Numbers::BearingNoise, 0.3)];
+/// Of several landmarks, of which motion has less in common with any one's errors, these as well: robots scatter most where their
+/// commands change.
+const ALONE_AMONG_SEVERAL: [(Numbers, f64); 1] = [(Numbers::MotionNoise, 0.6)];
 /// Prior standard deviation of logarithms of standard deviations, of variances and of odds, about the nominal ones: where a log
 /// says next to nothing of a noise, the likeliest is often none at all.
 const UNSURE: f64 = 2.0;
@@ -55,16 +62,24 @@ const NOISE: [Numbers; 5] =
     [Numbers::MotionNoise, Numbers::SizeNoise, Numbers::BearingNoise, Numbers::False, Numbers::Detection];
 
 /// The noise made most likely, one size of it after another, as far as that goes: the likelihood is nowhere near quadratic
-/// in it. After all bands of distance together, each by itself.
-fn scattered(judge: &Sighted<'_>, mut numbers: Vec<f64>) -> Vec<f64> {
+/// in it. After all bands of distance together, if asked for, each by itself.
+fn scattered(judge: &Sighted<'_>, mut numbers: Vec<f64>, each: bool) -> Vec<f64> {
     let (shape, nominal) = (&judge.library.base.shape, &judge.library.base.numbers);
-    let alone = ALONE.into_iter().flat_map(|(group, change)| shape.range(group).map(move |i| (i, change)));
-    let alone = alone.map(|(i, change)| {
+    let several = judge.view.landmarks.len() > 1;
+    let alone = ALONE.into_iter().chain(ALONE_AMONG_SEVERAL.into_iter().filter(|_| several));
+    let alone = alone.flat_map(|(group, change)| shape.range(group).map(move |i| (i, change)));
+    let alone = alone.filter(|_| each).map(|(i, change)| {
         let mut direction = vec![0.0; numbers.len()];
         direction[i] = change;
         direction
     });
-    let directions: Vec<Direction> = judge.directions(&numbers, "noise").into_iter().chain(alone).collect();
+    // Motion first: as long as it is as large as at the start, a sensor's noise passes for it. Of a single landmark the sensor
+    // first: what its sizes are off for a while would pass for the robot's.
+    let of_motion = shape.range(Numbers::MotionNoise);
+    let moves = |direction: &Direction| several && direction[of_motion.clone()].iter().any(|it| *it != 0.0);
+    let (first, then): (Vec<Direction>, Vec<Direction>) =
+        judge.directions(&numbers, "noise").into_iter().partition(moves);
+    let directions: Vec<Direction> = first.into_iter().chain(then).chain(alone).collect();
     for direction in directions {
         let at =
             |by: f64| numbers.iter().zip(&direction).map(|(number, change)| number + by * change).collect::<Vec<_>>();
@@ -116,6 +131,18 @@ fn last(judge: &mut Sighted<'_>, numbers: &[f64]) {
     }
 }
 
+/// Has what each landmark's sizes are off last as long as is most likely.
+fn last_each(judge: &mut Sighted<'_>, numbers: &[f64]) {
+    let some = SHARES.into_iter().flat_map(|share| FADES_S.map(|fades_s| Lasting { share, fades_s }));
+    let likely = |lasting: Lasting| {
+        judge.memory.lasting = lasting;
+        let price = if lasting.share > 0.0 { LASTS_NATS } else { 0.0 };
+        (likely(judge, numbers) - price, lasting)
+    };
+    let best = std::iter::once(Lasting::default()).chain(some).map(likely).reduce(|a, b| if b.0 > a.0 { b } else { a });
+    judge.memory.lasting = best.map_or_else(Lasting::default, |it| it.1);
+}
+
 /// The noise of a library that has it from a log over a nominal one's.
 pub(super) fn compared(nominal: &Library, noisy: &Library) -> Noise {
     let shape = &nominal.base.shape;
@@ -127,12 +154,15 @@ pub(super) fn compared(nominal: &Library, noisy: &Library) -> Noise {
     let variance = |of: &Library, axis: usize| -> f64 {
         (1..SPEEDS).map(|class| exp(of.base.numbers[motion + 3 * class + axis])).sum()
     };
+    let Lasting { share: lasting_share, fades_s } = noisy.base.memory.fading();
     let of_axes = [FORWARD, TURN].map(|axis| variance(noisy, axis) / variance(nominal, axis));
     Noise {
         size_ratio: all(Numbers::SizeNoise),
         bearing_ratio: all(Numbers::BearingNoise),
         motion_ratio: (of_axes[0] * of_axes[1]).powf(0.25),
         false_share: logistic(noisy.base.numbers[shape.range(Numbers::False).start]),
+        lasting_share,
+        fades_s,
     }
 }
 
@@ -151,39 +181,71 @@ impl Library {
         before: Option<&Self>,
     ) -> Result<Self, CannotSee> {
         let mut judge = Sighted::scoring(log, self, |t_s| aside.holds(t_s))?;
+        let several = judge.view.landmarks.len() > 1;
         let mut numbers = self.numbers(planted);
         for of in NOISE.map(|group| self.base.shape.range(group)) {
             numbers[of.clone()].copy_from_slice(&before.unwrap_or(self).base.numbers[of]);
         }
+        let at_first = if several { AT_FIRST } else { Lasting::default() };
         match before {
             Some(before) => judge.memory = before.base.memory,
-            None => START.into_iter().for_each(|(group, more)| {
-                self.base.shape.range(group).for_each(|i| numbers[i] += more);
-            }),
-        }
-        let mut gone_before = f64::NEG_INFINITY;
-        for _ in 0..MOST_ROUNDS {
-            for block in FREE {
-                numbers = likeliest(&[&judge as &dyn Judge], &self.floored(scattered(&judge, numbers)), block);
-            }
-            let after = likely(&judge, &numbers);
-            if after - gone_before < GAINS_NOTHING_NATS {
-                break;
-            }
-            gone_before = after;
-            judge.memory.tails = tails(&judge, &numbers);
-            // Of several landmarks each has a noise of its own.
-            if judge.view.landmarks.len() == 1 {
-                last(&mut judge, &numbers);
+            None => {
+                START.into_iter().for_each(|(group, more)| {
+                    self.base.shape.range(group).for_each(|i| numbers[i] += more);
+                });
+                judge.memory.lasting = at_first;
             }
         }
+        let (numbers, memory) = self.likeliest_noise(&mut judge, &numbers);
         let mut noisy = Self { aside: Some(aside), ..self.clone() };
-        noisy.base.memory = judge.memory;
+        noisy.base.memory = memory;
         for of in NOISE.map(|group| self.base.shape.range(group)) {
             noisy.base.numbers[of.clone()].copy_from_slice(&numbers[of.clone()]);
             noisy.entries.iter_mut().filter(|entry| !entry.is_of_noise()).for_each(|entry| entry.leaves(of.clone()));
         }
         Ok(noisy)
+    }
+
+    /// The noise that makes a log most likely, from these numbers on: whichever is likelier, beginning with what landmarks' errors
+    /// last, or with none that do. From either start the other is not found: what is off for good passes for what lasts, and what
+    /// lasts for motion.
+    fn likeliest_noise(&self, judge: &mut Sighted<'_>, numbers: &[f64]) -> (Vec<f64>, Memory) {
+        let begun = judge.memory;
+        let mut starts = vec![Memory { lasting: Lasting::default(), ..begun }];
+        starts.extend(begun.lasts().then_some(begun));
+        let settled = starts.into_iter().map(|start| {
+            judge.memory = start;
+            let (likely, numbers) = self.settled_noise(judge, numbers.to_vec());
+            let price = if judge.memory.lasts() { LASTS_NATS } else { 0.0 };
+            (likely - price, numbers, judge.memory)
+        });
+        let best = settled.reduce(|a, b| if b.0 > a.0 { b } else { a });
+        best.map_or_else(|| (numbers.to_vec(), begun), |(_, numbers, memory)| (numbers, memory))
+    }
+
+    /// The noise learned until nothing is gained any more, everything else left free, and how likely the log is with it.
+    fn settled_noise(&self, judge: &mut Sighted<'_>, mut numbers: Vec<f64>) -> (f64, Vec<f64>) {
+        let several = judge.view.landmarks.len() > 1;
+        let mut gone_before = f64::NEG_INFINITY;
+        for _ in 0..MOST_ROUNDS {
+            for (i, block) in FREE.iter().enumerate() {
+                let scattered = self.floored(scattered(judge, numbers, i == 0 || !several));
+                numbers = likeliest(&[judge as &dyn Judge], &scattered, block);
+            }
+            let after = likely(judge, &numbers);
+            if after - gone_before < GAINS_NOTHING_NATS {
+                return (after, numbers);
+            }
+            gone_before = after;
+            judge.memory.tails = tails(judge, &numbers);
+            // Of several landmarks each has a noise of its own.
+            if several {
+                last_each(judge, &numbers);
+            } else {
+                last(judge, &numbers);
+            }
+        }
+        (likely(judge, &numbers), numbers)
     }
 
     /// With no sensor more exact than any is.

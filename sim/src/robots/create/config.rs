@@ -58,6 +58,10 @@ asami_dataset::parameters! {
         recognised: f64 = 0.5, "1", 0.0..=1.0;
         /// Standard deviation of ranges.
         sigma1_m: f64 = 0.03, "m", 0.0..=2.0;
+        /// Share of their variance that is not new in each frame: what a landmark's range is off lasts, each landmark's by itself.
+        lasting_share: f64 = 0.0, "1", 0.0..=1.0;
+        /// It fades to 1/e in this time.
+        fades_s: f64 = 4.0, "s", 0.01..=1000.0;
         /// Standard deviation of bearings.
         sigma2_rad: f64 = 0.02, "rad", 0.0..=1.0;
     }

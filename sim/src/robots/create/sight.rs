@@ -2,12 +2,37 @@
 
 use asami_dataset::{Beacon, Rng, Sighting, Size, TruePose};
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, cos, hypot, sin_cos, tan};
+use asami_math::elementary::{atan2, cos, exp, hypot, sin_cos, tan};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::config::Sight;
 use crate::knobs::EyeKnobs;
+
+/// What the range of each landmark is off for a while, in standard deviations: an autoregression of first order.
+pub(super) struct Lasting {
+    rng: Rng,
+    off: Vec<f64>,
+    /// What is left of it from frame to frame.
+    kept: f64,
+}
+
+impl Lasting {
+    /// Of so many landmarks.
+    pub(super) fn new(landmarks: usize, frame_s: f64, sight: &Sight, mut rng: Rng) -> Self {
+        let off = (0..landmarks).map(|_| StandardNormal.sample(&mut rng)).collect();
+        Self { rng, off, kept: exp(-frame_s / sight.fades_s) }
+    }
+
+    /// A frame later.
+    pub(super) fn go_on(&mut self) {
+        let fresh = (1.0 - self.kept * self.kept).sqrt();
+        for off in &mut self.off {
+            let new: f64 = StandardNormal.sample(&mut self.rng);
+            *off = self.kept * *off + fresh * new;
+        }
+    }
+}
 
 impl Sight {
     /// What is reported at `t_s` of `beacons` as they were to be seen from `pose`.
@@ -20,13 +45,15 @@ impl Sight {
         pose: &TruePose,
         beacons: &[Beacon],
         eye: &EyeKnobs,
+        lasting: &Lasting,
         rng: &mut Rng,
     ) -> Vec<Sighting> {
+        let [old, new] = [self.lasting_share, 1.0 - self.lasting_share].map(f64::sqrt);
         let (sin, cos_theta) = sin_cos(pose.theta_rad);
         let (x_m, y_m) = (pose.x_m - self.ahead_m * sin, pose.y_m + self.ahead_m * cos_theta);
-        let sightings = beacons.iter().filter_map(|beacon| {
-            let range_noise: f64 = StandardNormal.sample(rng);
-            let bearing_noise: f64 = StandardNormal.sample(rng);
+        let sightings = beacons.iter().zip(&lasting.off).filter_map(|(beacon, off)| {
+            let [white, bearing_noise]: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(rng));
+            let range_noise = old * off + new * white;
             let recognised = rng.random::<f64>() < self.recognised;
 
             let (right_m, ahead_m) = (beacon.x_m - x_m, beacon.y_m - y_m);

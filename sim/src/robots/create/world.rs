@@ -11,6 +11,7 @@ use super::BuildError;
 use super::blueprint::Blueprint;
 use super::body::Body;
 use super::config::CreateConfig;
+use super::sight::Lasting;
 use crate::effect::{CommandStage, Glance, SightingStage, Stage};
 use crate::effects::Effects;
 use crate::knobs::{EyeKnobs, GroundKnobs, Knobs};
@@ -35,6 +36,7 @@ pub struct CreateWorld {
     sighting_stages: Vec<SightingStage>,
     wheel_rng: Rng,
     sight_rng: Rng,
+    lasting: Lasting,
 
     /// Wanted speeds of the two tyres.
     servos: [Actuator; 2],
@@ -76,6 +78,9 @@ impl CreateWorld {
         // Heights are of no use to it.
         let known = |field: &Field| field.known().into_iter().map(|it| Beacon { height_m: None, ..it }).collect();
         let beacons: Vec<Beacon> = known(field);
+        let tick_s = dt_s * f64::from(config.physics.steps_per_tick);
+        let frame_s = tick_s * f64::from(config.sight.ticks_per_frame);
+        let lasting = Lasting::new(beacons.len(), frame_s, &config.sight, seed.stream("create/lasting"));
         let mut world = Self {
             standing: known(&field.with_moved(knobs.scene.moved)),
             ids: beacons.iter().map(|beacon| beacon.id).collect(),
@@ -85,6 +90,7 @@ impl CreateWorld {
             sighting_stages: Vec::new(),
             wheel_rng: seed.stream("create/wheels"),
             sight_rng: seed.stream("create/sight"),
+            lasting,
             servos: [servo.clone(), servo],
             blueprint,
             body,
@@ -142,7 +148,8 @@ impl CreateWorld {
         let (pose, eye) = (self.pose(), &self.eye);
         let seen_from = self.past.at(pose.t_s - eye.delay_s).unwrap_or(pose);
         let sight = &self.config.sight;
-        let mut sightings = sight.look(pose.t_s, &seen_from, &self.standing, eye, &mut self.sight_rng);
+        self.lasting.go_on();
+        let mut sightings = sight.look(pose.t_s, &seen_from, &self.standing, eye, &self.lasting, &mut self.sight_rng);
         let frame = Frame { t_s: pose.t_s, head_pan_rad: 0.0 };
         let sizes = [sight.near_m, sight.far_m].map(Size::RangeM);
         for stage in &mut self.sighting_stages {
