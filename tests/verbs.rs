@@ -316,3 +316,17 @@ fn a_sweep_of_real_logs_says_what_it_lacks() {
     let absent = said(&["--only", "one"]);
     assert!(absent.contains("no/such") && absent.contains("--data DIR"), "{absent}");
 }
+
+/// Another program's cases that nobody wrote: said at once, with where to read how, before a library is played.
+#[test]
+fn cases_that_nobody_wrote_are_missed_at_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let nowhere = dir.path().join("nowhere");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/blind_foreign.toml");
+    let arguments = [shipped.to_str().unwrap(), "--data", nowhere.to_str().unwrap()];
+    let output = Command::new(env!("CARGO_BIN_EXE_sweep")).args(arguments).current_dir(dir.path()).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let said = said(&output);
+    assert!(said.contains("holds no cases") && said.contains("docs/blind.md"), "{said}");
+    assert!(!dir.path().join("results").exists(), "nothing was played");
+}

@@ -32,6 +32,8 @@ pub mod sighted;
 pub mod sizes;
 pub mod start;
 pub mod state;
+#[cfg(test)]
+mod straight;
 pub mod tails;
 pub mod touch;
 pub mod view;

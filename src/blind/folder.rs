@@ -22,6 +22,16 @@ pub enum CannotOpen {
     /// The folder cannot be read.
     #[error(transparent)]
     Folder(#[from] CannotWithhold),
+    /// Nobody wrote any yet.
+    #[error(
+        "{} holds no cases: those of `cases_from` are another program's, to be written first (docs/blind.md and docs/engines.md \
+         say how); --data DIR takes them from elsewhere",
+        folder.display()
+    )]
+    None {
+        /// The folder of cases.
+        folder: PathBuf,
+    },
     /// There are not so many.
     #[error("{} holds {found} cases, of which {asked} are asked for", folder.display())]
     Few {
@@ -64,10 +74,13 @@ impl Folder {
     /// The first `count` cases of a folder, by their names.
     ///
     /// # Errors
-    /// [`CannotOpen`] where it cannot be read, or holds fewer.
+    /// [`CannotOpen`] where it cannot be read, or holds none, or fewer.
     pub fn new(root: &Path, count: usize) -> Result<Self, CannotOpen> {
         let folder = root.join(CASES);
         let mut cases: Vec<PathBuf> = sorted(&folder)?.into_iter().filter(|path| path.is_dir()).collect();
+        if cases.is_empty() {
+            return Err(CannotOpen::None { folder });
+        }
         if cases.len() < count {
             return Err(CannotOpen::Few { folder, found: cases.len(), asked: count });
         }

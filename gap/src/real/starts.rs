@@ -75,109 +75,36 @@ pub fn starts(judge: &dyn Judge, others: &[Variant], with: &[Planted]) -> Vec<St
 #[cfg(test)]
 mod tests {
     use asami_dataset::Seed;
-    use asami_sim::effects::catalogue;
-    use rand::RngExt;
-    use rand_distr::StandardNormal;
 
     use super::*;
-    use crate::directions::Direction;
-    use crate::judge::{Channel, Moment, Reading, Regime};
+    use crate::straight::Straight;
 
     const NAMES: [&str; 3] = ["command_scale", "wheel_base", "turn_slowing"];
 
-    /// Measurements of unit noise that each effect moves along a wave, in proportion to its size.
-    struct Waves {
-        kinds: Vec<Variant>,
-        measured: Vec<f64>,
-    }
-
-    impl Waves {
-        /// What an effect at its greatest size does to a measurement: the last is much what the first two do together.
-        fn wave(k: usize, t: usize) -> f64 {
-            let (a, b, c) = ((0.37 * t as f64).sin(), (0.91 * t as f64).sin(), (1.7 * t as f64).sin());
-            [5.0 * a, 5.0 * b, 3.0 * (a + b) + 1.5 * c][k]
-        }
-
-        fn made(&self, shares: &[f64], t: usize) -> f64 {
-            shares.iter().enumerate().fold(0.0, |sum, (k, share)| sum + share * Self::wave(k, t))
-        }
-
-        fn planted(&self, k: usize, share: f64) -> Planted {
-            Planted { variant: self.kinds[k].clone(), size: share * self.kinds[k].sizes().1 }
-        }
-    }
-
-    impl Judge for Waves {
-        fn numbers(&self, planted: &[Planted]) -> Vec<f64> {
-            let of = |kind: &Variant| {
-                let same = planted.iter().filter(|it| it.variant == *kind);
-                same.map(|it| it.size / kind.sizes().1).sum::<f64>()
-            };
-            self.kinds.iter().map(of).collect()
-        }
-
-        fn knows(&self, variant: &Variant) -> bool {
-            self.kinds.contains(variant)
-        }
-
-        fn read(&self, numbers: &[f64]) -> Reading {
-            let off = |t: usize| self.measured[t] - self.made(numbers, t);
-            let log_likelihoods = (0..self.measured.len()).map(|t| -0.5 * off(t) * off(t)).collect();
-            Reading { log_likelihoods, ..Reading::default() }
-        }
-
-        fn steps(&self) -> &[Moment] {
-            &[]
-        }
-
-        fn length_s(&self) -> f64 {
-            0.0
-        }
-
-        fn measured(&self) -> Vec<&'static str> {
-            Vec::new()
-        }
-
-        fn directions(&self, _: &[f64], _: &str) -> Vec<Direction> {
-            Vec::new()
-        }
-
-        fn channels(&self) -> Vec<Channel> {
-            Vec::new()
-        }
-
-        fn regimes(&self) -> Vec<Regime> {
-            Vec::new()
-        }
-    }
-
-    /// Two effects have made up for a third: beside them as they are it is worth nothing, and where it and they should start it is
-    /// worth what it is in truth.
+    /// Two effects have made up for a third, which does much what the two do together: beside them as they are it is worth nothing,
+    /// and where it and they should start it is worth what it is in truth.
     #[test]
     fn an_effect_that_others_made_up_for_is_worth_something_once_they_give_way() {
-        let of = |name: &str| Variant::of(catalogue().into_iter().find(|it| it.name == name).unwrap(), 4);
-        let kinds: Vec<Variant> =
-            NAMES.iter().map(|name| of(name).into_iter().find(|it| it.sign > 0.0).unwrap()).collect();
-        let mut world = Waves { kinds, measured: Vec::new() };
-        let mut rng = Seed(3).stream("noise");
-        let mut noise = || -> f64 { rng.sample(StandardNormal) };
-        world.measured = (0..400).map(|t| world.made(&[0.3, 0.4, 0.5], t) + noise()).collect();
+        let kinds = NAMES.map(Straight::kind);
+        let of = |k: usize, share: f64| Planted { variant: kinds[k].clone(), size: share * kinds[k].sizes().1 };
+        let truth = [of(0, 0.3), of(1, 0.4), of(2, 0.5)];
+        let wave = |t: usize, step: f64| (step * t as f64).sin();
+        let third = |t: usize| 3.0 * (wave(t, 0.37) + wave(t, 0.91)) + 1.5 * wave(t, 1.7);
+        let world = Straight::new(&truth, &[&|t| 5.0 * wave(t, 0.37), &|t| 5.0 * wave(t, 0.91), &third], Seed(3));
         // By least squares of the first two: the third's share of each.
-        let with = [world.planted(0, 0.3 + 0.5 * 0.6), world.planted(1, 0.4 + 0.5 * 0.6)];
+        let with = [of(0, 0.3 + 0.5 * 0.6), of(1, 0.4 + 0.5 * 0.6)];
         let likely = world.log_likelihood(&with);
-        let as_they_are = world.log_likelihood(&[&with[..], &[world.planted(2, 0.5)]].concat());
+        let as_they_are = world.log_likelihood(&[&with[..], &truth[2..]].concat());
         assert!(as_they_are < likely - 100.0, "{as_they_are} {likely}");
-        let found = starts(&world, &world.kinds[2..], &with);
+        let found = starts(&world, &kinds[2..], &with);
         assert_eq!(found.len(), 1);
         assert!(found[0].likely > likely + 30.0 && found[0].effects.len() == 3, "{} {likely}", found[0].likely);
-        for (k, share) in [0.3, 0.4, 0.5].into_iter().enumerate() {
+        for (found, truth) in found[0].effects.iter().zip(&truth) {
             // Nearer than where the two stood, and than none of the third.
-            let off = found[0].effects[k].size / world.planted(k, share).size;
-            assert!((0.6..1.5).contains(&off), "{k}: {off}");
+            let off = found.size / truth.size;
+            assert!((0.6..1.5).contains(&off), "{}: {off}", truth.variant.about.name);
         }
-        assert!(
-            starts(&world, &of("command_scale")[..1], &with).is_empty(),
-            "what the judge does not know is not tried"
-        );
+        let unknown = [Straight::kind("slope")];
+        assert!(starts(&world, &unknown, &with).is_empty(), "what the judge does not know is not tried");
     }
 }

@@ -149,87 +149,31 @@ fn sum(terms: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use asami_dataset::Seed;
-    use asami_sim::effects::catalogue;
-    use rand::RngExt;
-    use rand_distr::StandardNormal;
 
     use super::*;
-    use crate::directions::Direction;
-    use crate::judge::{Channel, Moment, Reading, Regime};
+    use crate::straight::Straight;
 
-    /// Measurements of unit noise that two effects move, each in proportion to its size.
-    struct Linear {
-        names: [&'static str; 2],
-        by: [Vec<f64>; 2],
-        measured: Vec<f64>,
-    }
-
-    impl Judge for Linear {
-        fn numbers(&self, planted: &[Planted]) -> Vec<f64> {
-            let of = |name| planted.iter().filter(|it| it.variant.about.name == name).map(|it| it.size).sum();
-            self.names.map(of).to_vec()
-        }
-
-        fn knows(&self, variant: &Variant) -> bool {
-            self.names.contains(&variant.about.name)
-        }
-
-        fn read(&self, numbers: &[f64]) -> Reading {
-            let off = |t: usize| self.measured[t] - numbers[0] * self.by[0][t] - numbers[1] * self.by[1][t];
-            let log_likelihoods = (0..self.measured.len()).map(|t| -0.5 * off(t) * off(t)).collect();
-            Reading { log_likelihoods, ..Reading::default() }
-        }
-
-        fn steps(&self) -> &[Moment] {
-            &[]
-        }
-
-        fn length_s(&self) -> f64 {
-            0.0
-        }
-
-        fn measured(&self) -> Vec<&'static str> {
-            Vec::new()
-        }
-
-        fn directions(&self, _: &[f64], _: &str) -> Vec<Direction> {
-            Vec::new()
-        }
-
-        fn channels(&self) -> Vec<Channel> {
-            Vec::new()
-        }
-
-        fn regimes(&self) -> Vec<Regime> {
-            Vec::new()
-        }
-    }
-
-    /// Two kinds, and a log of them at shares of their laws, on which they act with a correlation of 0.95.
-    fn world(shares: [f64; 2]) -> (Linear, [Planted; 2]) {
-        let kind = |name| Variant::of(catalogue().into_iter().find(|it| it.name == name).unwrap(), 4).remove(0);
+    /// Two kinds at shares of their laws, and a log of them, on which they act with a correlation of 0.95.
+    fn world(shares: [f64; 2]) -> (Straight, [Planted; 2]) {
         let names = ["focal_error", "height_bias"];
-        let of = |k: usize| {
-            let variant = kind(names[k]);
+        let truth = [0, 1].map(|k| {
+            let variant = Straight::kind(names[k]);
             let (least, greatest) = variant.sizes();
             Planted { size: least + shares[k] * (greatest - least), variant }
-        };
-        let truth = [of(0), of(1)];
+        });
         let wave = |t: usize, step: f64| (step * t as f64).sin();
-        let greatest = truth.each_ref().map(|it| it.variant.sizes().1);
-        let first: Vec<f64> = (0..400).map(|t| 3.0 * wave(t, 0.37) / greatest[0]).collect();
-        let second =
-            (0..400).map(|t| 3.0 * (0.95 * wave(t, 0.37) + 0.312 * wave(t, 0.91)) / greatest[1]).collect::<Vec<f64>>();
-        let mut rng = Seed(7).stream("noise");
-        let mut noise = || -> f64 { rng.sample(StandardNormal) };
-        let measured = (0..400).map(|t| truth[0].size * first[t] + truth[1].size * second[t] + noise()).collect();
-        (Linear { names, by: [first, second], measured }, truth)
+        let first = |t: usize| 3.0 * wave(t, 0.37);
+        let second = |t: usize| 3.0 * (0.95 * wave(t, 0.37) + 0.312 * wave(t, 0.91));
+        (Straight::new(&truth, &[&first, &second], Seed(7)), truth)
+    }
+
+    fn product(a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| a * b).sum()
     }
 
     /// By least squares.
-    fn solved(judge: &Linear) -> [f64; 2] {
-        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let [a, b] = &judge.by;
+    fn solved(judge: &Straight, truth: &[Planted; 2]) -> [f64; 2] {
+        let [a, b] = truth.each_ref().map(|it| judge.by(&it.variant));
         let (aa, ab, bb) = (product(a, a), product(a, b), product(b, b));
         let (ay, by) = (product(a, &judge.measured), product(b, &judge.measured));
         let determinant = aa * bb - ab * ab;
@@ -237,10 +181,10 @@ mod tests {
     }
 
     /// What the first alone would be likeliest at.
-    fn alone(judge: &Linear, truth: &Planted) -> Planted {
-        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    fn alone(judge: &Straight, truth: &Planted) -> Planted {
         let (least, greatest) = truth.variant.sizes();
-        let size = product(&judge.by[0], &judge.measured) / product(&judge.by[0], &judge.by[0]);
+        let by = judge.by(&truth.variant);
+        let size = product(by, &judge.measured) / product(by, by);
         Planted { size: size.clamp(least, greatest), ..truth.clone() }
     }
 
@@ -250,7 +194,7 @@ mod tests {
             let (judge, truth) = world(shares);
             let (_, from) = promising(&judge, &alone(&judge, &truth[0]), &[truth[1].variant.clone()]).remove(0);
             let found = climbed(&judge, from).unwrap();
-            let solved = judge.read(&solved(&judge)).total();
+            let solved = judge.read(&solved(&judge, &truth)).total();
             assert!(found.log_likelihood > solved - 0.2, "{shares:?}: {} {solved}", found.log_likelihood);
             for k in 0..2 {
                 let off = (found.planted[k].size / truth[k].size).ln().abs();
