@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::svg::{self, escape, px};
+use super::svg::{self, escape, px, width_px};
 use super::{FAINT, GRID, INK, PALETTE};
 
 /// What stands in a cell.
@@ -33,8 +33,8 @@ pub struct Map {
 
 const CELL_PX: f64 = 40.0;
 const TOP_PX: f64 = 56.0;
-const LETTER_PX: f64 = 6.9;
 const WIDEST_COLUMN_PX: f64 = 120.0;
+const DOTS: &str = "\u{2026}";
 
 impl Map {
     /// Width in CSS pixels.
@@ -47,8 +47,8 @@ impl Map {
         let mut out = svg::open(Self::WIDTH_PX, height as u32, &format!("{}: {}", self.name, self.title));
         let title = escape(&self.title);
         let _ = write!(out, "<text class=\"ink\" x=\"0\" y=\"17\" font-weight=\"600\" fill=\"{INK}\">{title}</text>");
-        let longest = self.rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-        let left = (longest as f64 * LETTER_PX + 16.0).clamp(60.0, 0.55 * f64::from(Self::WIDTH_PX));
+        let widest = self.rows.iter().map(|(name, _)| width_px(name)).fold(0.0, f64::max);
+        let left = (widest + 16.0).clamp(60.0, 0.55 * f64::from(Self::WIDTH_PX));
         let column = (f64::from(Self::WIDTH_PX) - left) / self.columns.len().max(1) as f64;
         let column = column.min(WIDEST_COLUMN_PX);
         for (j, name) in self.columns.iter().enumerate() {
@@ -56,8 +56,7 @@ impl Map {
         }
         for (i, (name, cells)) in self.rows.iter().enumerate() {
             let top = TOP_PX + i as f64 * CELL_PX;
-            let fits = ((left - 16.0) / LETTER_PX) as usize;
-            text(&mut out, left - 10.0, top + CELL_PX / 2.0 + 4.0, "end", "ink", INK, &shortened(name, fits));
+            text(&mut out, left - 10.0, top + CELL_PX / 2.0 + 4.0, "end", "ink", INK, &shortened(name, left - 16.0));
             for (j, cell) in cells.iter().enumerate().take(self.columns.len()) {
                 patch(&mut out, [left + j as f64 * column, top, column, CELL_PX], cell.as_ref());
             }
@@ -101,11 +100,14 @@ fn text(out: &mut String, x: f64, y: f64, anchor: &str, class: &str, colour: &st
     );
 }
 
-fn shortened(text: &str, most: usize) -> String {
-    if text.chars().count() <= most {
+/// A text no wider than this, with dots for what is left out.
+fn shortened(text: &str, most_px: f64) -> String {
+    if width_px(text) <= most_px {
         return text.to_owned();
     }
-    text.chars().take(most.saturating_sub(1)).chain(['\u{2026}']).collect()
+    let mut short: String = text.to_owned();
+    while short.pop().is_some() && width_px(&short) + width_px(DOTS) > most_px {}
+    short + DOTS
 }
 
 #[cfg(test)]
@@ -134,6 +136,16 @@ mod tests {
         let found = opacities(&map(&[Some(0.1), None, Some(0.7), Some(1.0)]).inline_svg());
         assert_eq!(found.len(), 3);
         assert!(found.is_sorted_by(|a, b| a < b), "{found:?}");
+    }
+
+    #[test]
+    fn names_are_as_wide_as_there_is_room() {
+        assert_eq!(shortened("forward commands", 1000.0), "forward commands");
+        for most_px in [20.0, 60.0, 90.0] {
+            let short = shortened("forward commands", most_px);
+            assert!(short.ends_with(DOTS) && width_px(&short) <= most_px, "{short}");
+            assert!(width_px(&short) > most_px - 13.0, "{short}: no letter more would fit");
+        }
     }
 
     #[test]

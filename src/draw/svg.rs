@@ -65,7 +65,7 @@ fn legend(figure: &Figure, width: f64) -> (Vec<(usize, f64, f64)>, usize) {
 }
 
 /// About how wide a text is in a wide sans-serif: which one a reader has is not known.
-fn width_px(text: &str) -> f64 {
+pub(super) fn width_px(text: &str) -> f64 {
     let letter = |c: char| match c {
         'm' | 'w' | 'M' | 'W' => 12.2,
         'i' | 'j' | 'l' | 't' | 'f' | 'I' | ' ' | ',' | '.' | '\'' | '(' | ')' => 5.0,
