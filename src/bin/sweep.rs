@@ -1,6 +1,6 @@
 //! `cargo run --bin sweep SCENARIO`: all trials of a scenario, as the dissertation's table.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use asami::sweep::progress::Progress;
@@ -79,10 +79,8 @@ fn in_the_dark(mut blind: blind::scenario::Blind, arguments: Arguments) -> Resul
     if let Some(cases) = arguments.seeds {
         blind.asked.cases = cases as usize;
     }
-    if let Some(folder) = &blind.asked.cases_from {
-        // Before minutes go into a library.
-        blind::folder::Folder::new(Path::new(folder), blind.asked.cases).map_err(verb::plain)?;
-    }
+    // What is missing is said before minutes go into a library.
+    blind::folder::Folder::of(&blind).map_err(verb::plain)?;
     let out = arguments.output.unwrap_or_else(|| PathBuf::from("results").join(&blind.name));
     let options = Options { out, jobs: arguments.jobs.map(usize::from), program: manifest::program() };
     let libraries = PathBuf::from("results/library");

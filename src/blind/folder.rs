@@ -7,6 +7,7 @@ use asami_dataset::{Log, store};
 use asami_gap::{Planted, Variant};
 
 use super::answer::of_kind;
+use super::scenario::Blind;
 use super::withhold::{CASES, CannotWithhold, KEYS, Key, Unlisted, sorted};
 
 /// A folder in the layout of `generate --withhold`.
@@ -71,6 +72,15 @@ impl Opened {
 }
 
 impl Folder {
+    /// The cases that a blind scenario takes from another program; `None` where it draws its own.
+    ///
+    /// # Errors
+    /// As of [`Folder::new`].
+    pub fn of(blind: &Blind) -> Result<Option<Self>, CannotOpen> {
+        let root = blind.asked.cases_from.as_ref();
+        root.map(|root| Self::new(Path::new(root), blind.asked.cases)).transpose()
+    }
+
     /// The first `count` cases of a folder, by their names.
     ///
     /// # Errors

@@ -1,7 +1,6 @@
 //! From a blind scenario to records: plan cases, simulate or read them, let every diagnoser see the log alone, score, keep.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
 use std::time::Instant;
 
 use asami_dataset::Log;
@@ -107,9 +106,9 @@ pub fn run(
     options: &Options,
     watcher: &dyn Watcher,
 ) -> Result<Results, CannotRun> {
-    let records = match &blind.asked.cases_from {
+    let records = match Folder::of(blind)? {
         None => drawn(blind, contest, options, watcher)?,
-        Some(folder) => foreign(blind, Path::new(folder), contest, options, watcher)?,
+        Some(folder) => foreign(blind, &folder, contest, options, watcher)?,
     };
     Ok(Results { blind: blind.clone(), records })
 }
@@ -136,12 +135,11 @@ fn drawn(
 /// Another program's cases: all are diagnosed, and what is said of them written down, before the first key is opened.
 fn foreign(
     blind: &Blind,
-    folder: &Path,
+    folder: &Folder,
     contest: &dyn Contest,
     options: &Options,
     watcher: &dyn Watcher,
 ) -> Result<Vec<Record>, CannotRun> {
-    let folder = Folder::new(folder, blind.asked.cases)?;
     let parts = [blind.hash(), contest.fingerprint(), folder.fingerprint()?, options.program.clone()];
     let out = options.out.join("diagnoses");
     let store = Store::open(&out, blake3::hash(parts.join("\n").as_bytes()).to_hex().as_ref())?;
@@ -162,7 +160,7 @@ fn foreign(
         rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build().map_err(CannotSweep::from)?;
     let records = pool.install(|| {
         let all = told.into_par_iter().enumerate().with_max_len(1);
-        all.map(|(i, told)| open_and_score(blind, contest, &folder, i, told)).collect::<Result<Vec<_>, _>>()
+        all.map(|(i, told)| open_and_score(blind, contest, folder, i, told)).collect::<Result<Vec<_>, _>>()
     });
     Ok(records?)
 }
