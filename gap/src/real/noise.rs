@@ -65,7 +65,7 @@ const NOISE: [Numbers; 5] =
 /// in it. After all bands of distance together, if asked for, each by itself.
 fn scattered(judge: &Sighted<'_>, mut numbers: Vec<f64>, each: bool) -> Vec<f64> {
     let (shape, nominal) = (&judge.library.base.shape, &judge.library.base.numbers);
-    let several = judge.view.landmarks.len() > 1;
+    let several = several(judge);
     let alone = ALONE.into_iter().chain(ALONE_AMONG_SEVERAL.into_iter().filter(|_| several));
     let alone = alone.flat_map(|(group, change)| shape.range(group).map(move |i| (i, change)));
     let alone = alone.filter(|_| each).map(|(i, change)| {
@@ -131,13 +131,22 @@ fn last(judge: &mut Sighted<'_>, numbers: &[f64]) {
     }
 }
 
+/// Whether there are landmarks of which each has errors of its own.
+fn several(judge: &Sighted<'_>) -> bool {
+    judge.view.landmarks.len() > 1
+}
+
+/// What a log is to be likelier by if what landmarks' sizes are off lasts.
+fn price(lasting: Lasting) -> f64 {
+    if lasting.share > 0.0 { LASTS_NATS } else { 0.0 }
+}
+
 /// Has what each landmark's sizes are off last as long as is most likely.
 fn last_each(judge: &mut Sighted<'_>, numbers: &[f64]) {
     let some = SHARES.into_iter().flat_map(|share| FADES_S.map(|fades_s| Lasting { share, fades_s }));
     let likely = |lasting: Lasting| {
         judge.memory.lasting = lasting;
-        let price = if lasting.share > 0.0 { LASTS_NATS } else { 0.0 };
-        (likely(judge, numbers) - price, lasting)
+        (likely(judge, numbers) - price(lasting), lasting)
     };
     let best = std::iter::once(Lasting::default()).chain(some).map(likely).reduce(|a, b| if b.0 > a.0 { b } else { a });
     judge.memory.lasting = best.map_or_else(Lasting::default, |it| it.1);
@@ -181,19 +190,17 @@ impl Library {
         before: Option<&Self>,
     ) -> Result<Self, CannotSee> {
         let mut judge = Sighted::scoring(log, self, |t_s| aside.holds(t_s))?;
-        let several = judge.view.landmarks.len() > 1;
         let mut numbers = self.numbers(planted);
         for of in NOISE.map(|group| self.base.shape.range(group)) {
             numbers[of.clone()].copy_from_slice(&before.unwrap_or(self).base.numbers[of]);
         }
-        let at_first = if several { AT_FIRST } else { Lasting::default() };
         match before {
             Some(before) => judge.memory = before.base.memory,
             None => {
                 START.into_iter().for_each(|(group, more)| {
                     self.base.shape.range(group).for_each(|i| numbers[i] += more);
                 });
-                judge.memory.lasting = at_first;
+                judge.memory.lasting = if several(&judge) { AT_FIRST } else { Lasting::default() };
             }
         }
         let (numbers, memory) = self.likeliest_noise(&mut judge, &numbers);
@@ -216,8 +223,7 @@ impl Library {
         let settled = starts.into_iter().map(|start| {
             judge.memory = start;
             let (likely, numbers) = self.settled_noise(judge, numbers.to_vec());
-            let price = if judge.memory.lasts() { LASTS_NATS } else { 0.0 };
-            (likely - price, numbers, judge.memory)
+            (likely - price(judge.memory.lasting), numbers, judge.memory)
         });
         let best = settled.reduce(|a, b| if b.0 > a.0 { b } else { a });
         best.map_or_else(|| (numbers.to_vec(), begun), |(_, numbers, memory)| (numbers, memory))
@@ -225,7 +231,7 @@ impl Library {
 
     /// The noise learned until nothing is gained any more, everything else left free, and how likely the log is with it.
     fn settled_noise(&self, judge: &mut Sighted<'_>, mut numbers: Vec<f64>) -> (f64, Vec<f64>) {
-        let several = judge.view.landmarks.len() > 1;
+        let several = several(judge);
         let mut gone_before = f64::NEG_INFINITY;
         for _ in 0..MOST_ROUNDS {
             for (i, block) in FREE.iter().enumerate() {
