@@ -6,7 +6,7 @@ use asami_sim::drives::pace::Pace;
 use asami_sim::drives::replay::Replay;
 use asami_sim::drives::roam::Roam;
 use asami_sim::ride::{CannotRide, Ride};
-use asami_sim::robots::aibo::{self, AiboWorld, Start};
+use asami_sim::robots::aibo::{self, AiboWorld, By, Start};
 use asami_sim::robots::car;
 use asami_sim::robots::create::{self, CreateConfig, CreateWorld};
 use asami_sim::robots::plain::PlainWorld;
@@ -43,15 +43,19 @@ impl Simulation {
     /// # Errors
     /// If the robot cannot be built.
     pub fn world(&self, seed: Seed) -> Result<Box<dyn World>, CannotSimulate> {
+        self.world_from(self.start(seed), seed)
+    }
+
+    /// Where the robot of a case stands.
+    fn start(&self, seed: Seed) -> Start {
         let mut rng = seed.stream("start");
         let ahead_m = self.start.y_spread_m * (2.0 * rng.random::<f64>() - 1.0);
-        let start = Start {
+        Start {
             x_m: self.start.x_m,
             y_m: self.start.y_m + ahead_m,
             theta_rad: self.start.theta_rad,
             gait_phase: rng.random::<f64>(),
-        };
-        self.world_from(start, seed)
+        }
     }
 
     /// The world with the robot facing the field's first beacon (the origin, where there is none) from
@@ -104,8 +108,20 @@ impl Simulation {
     /// # Errors
     /// If the robot cannot be built.
     pub fn aibo_at(&self, start: Start, seed: Seed) -> Result<AiboWorld, aibo::BuildError> {
-        let engine = self.engine.as_deref();
-        AiboWorld::in_engine(engine, &self.aibo, &self.field, &self.camera, &self.effects, start, seed)
+        self.aibo_by(self.engine.as_deref().map_or(By::Rapier, By::Program), start, seed)
+    }
+
+    fn aibo_by(&self, by: By<'_>, start: Start, seed: Seed) -> Result<AiboWorld, aibo::BuildError> {
+        AiboWorld::in_engine(by, &self.aibo, &self.field, &self.camera, &self.effects, start, seed)
+    }
+
+    /// The log of a case of an Aibo, whichever robot the scenario has, that is moved by an engine of the caller's choice, and where it was.
+    ///
+    /// # Errors
+    /// If the robot cannot be built.
+    pub fn walked(&self, by: By<'_>, seed: Seed) -> Result<Dataset, CannotSimulate> {
+        let mut world = self.aibo_by(by, self.start(seed), seed)?;
+        Ok(world::run(&mut world, &mut *self.policy(seed), self.duration_s))
     }
 
     /// The log of a case, and where the robot was.

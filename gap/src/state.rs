@@ -70,6 +70,37 @@ impl<const N: usize> State<N> {
         }
     }
 
+    /// Carries the covariance on by a displacement whose derivatives with respect to the heading are these, of x and of y.
+    pub(crate) fn carry(&mut self, by_heading: [f64; 2]) {
+        let p = &mut self.covariance;
+        for i in 0..N {
+            (0..2).for_each(|axis| p[(axis, i)] += by_heading[axis] * p[(2, i)]);
+        }
+        for i in 0..N {
+            (0..2).for_each(|axis| p[(i, axis)] += p[(i, 2)] * by_heading[axis]);
+        }
+    }
+
+    /// The sway at `at` a frame later, but for what is new in it: so much of what it was, and so much of what it was before.
+    pub(crate) fn sway_on(&mut self, at: usize, on: [f64; 2]) {
+        let next = |now: f64, before: f64| (on[0] * now + on[1] * before, now);
+        let p = &mut self.covariance;
+        (self.mean[at], self.mean[at + 1]) = next(self.mean[at], self.mean[at + 1]);
+        for i in 0..N {
+            (p[(at, i)], p[(at + 1, i)]) = next(p[(at, i)], p[(at + 1, i)]);
+        }
+        for i in 0..N {
+            (p[(i, at)], p[(i, at + 1)]) = next(p[(i, at)], p[(i, at + 1)]);
+        }
+    }
+
+    /// So much is kept of the error at `at`.
+    pub(crate) fn fade(&mut self, at: usize, kept: f64) {
+        self.mean[at] *= kept;
+        self.covariance.row_mut(at).scale_mut(kept);
+        self.covariance.column_mut(at).scale_mut(kept);
+    }
+
     /// Of the error at `at` nothing is known any more.
     pub(crate) fn forget_error(&mut self, at: usize) {
         self.clear(at);

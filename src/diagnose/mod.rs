@@ -6,6 +6,7 @@ pub mod lasers;
 pub mod limits;
 pub mod nominal;
 pub mod progress;
+mod rehearsed;
 mod reliability;
 pub mod repaired;
 pub mod self_test;

@@ -13,6 +13,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::progress::Listener;
+use super::rehearsed::Rehearsed;
 use crate::scenario::{Robot, Simulation};
 
 /// The hash of the code by which responses of robots among landmarks are learned.
@@ -99,7 +100,8 @@ impl Shelf<'_> {
             Responses::Drives(Box::new(Drives::new(base, entries)))
         } else {
             let base = self.base(&folder, || Base::learn(nominal, budget))?;
-            let learn = |variant: &Variant| Entry::learn(nominal, &base, variant, budget);
+            let rehearsed = Rehearsed::new(nominal);
+            let learn = |variant: &Variant| Entry::learn(&rehearsed, &base, variant, budget);
             let entries = self.entries(&places, &learn)?;
             Responses::Landmarks(Box::new(Library::new(base, entries)))
         };

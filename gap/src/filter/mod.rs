@@ -196,9 +196,7 @@ impl<'a> Ready<'a> {
         let (sin, cos) = sin_cos(theta_rad);
         let [right, forward, turn] = self.displacement(view, i, (sin, cos));
         let rotation = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
-        let mut f = SMatrix::<f64, N, N>::identity();
-        f[(0, 2)] = -sin * right - cos * forward;
-        f[(1, 2)] = cos * right - sin * forward;
+        state.carry([-sin * right - cos * forward, cos * right - sin * forward]);
         let moved = rotation * Vector3::new(right, forward, turn);
         for (axis, moved) in moved.iter().enumerate() {
             state.mean[axis] += moved;
@@ -215,19 +213,10 @@ impl<'a> Ready<'a> {
             state.forget_sways(&sways);
         }
         for (at, sway) in State::<N>::sways().zip(&sways).filter(|_| !gap) {
-            let now = sway.on[0] * state.mean[at] + sway.on[1] * state.mean[at + 1];
-            (state.mean[at], state.mean[at + 1]) = (now, state.mean[at]);
-            f[(at, at)] = sway.on[0];
-            f[(at, at + 1)] = sway.on[1];
-            f[(at + 1, at)] = 1.0;
-            f[(at + 1, at + 1)] = 0.0;
+            state.sway_on(at, sway.on);
         }
         let kept = self.memory.lasting.kept(step.dt_s);
-        for at in State::<N>::errors() {
-            state.mean[at] *= kept;
-            f[(at, at)] = kept;
-        }
-        state.covariance = f * state.covariance * f.transpose();
+        State::<N>::errors().for_each(|at| state.fade(at, kept));
         let mut of_pose = state.covariance.fixed_view_mut::<3, 3>(0, 0);
         of_pose += q;
         for (at, sway) in State::<N>::sways().zip(&sways).filter(|_| !gap) {

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
+use crate::state::SWAYING;
 use crate::tails::Tails;
 
 /// A sighting as it differs from what is expected, with its derivatives with respect to the state, and its noise.
@@ -46,9 +47,17 @@ impl<const N: usize> Odd<N> {
         let first = plain.x / l[(0, 0)];
         let white = [first / spread[0], (plain.y - l[(1, 0)] * first) / scale[1]];
         let gain = across * inverse;
-        let kept = SMatrix::<f64, N, N>::identity() - gain * h;
-        // Joseph's form keeps the covariance symmetric and positive.
-        let covariance = kept * covariance * kept.transpose() + gain * r * gain.transpose();
+        let covariance = if N == SWAYING {
+            // As symmetric as Joseph's form, with a sixth of its products.
+            let [first, second] = [0, 1].map(|k| across.column(k));
+            let first = first / l[(0, 0)];
+            let second = (second - l[(1, 0)] * first) / l[(1, 1)];
+            covariance - first * first.transpose() - second * second.transpose()
+        } else {
+            // Joseph's form keeps the covariance symmetric and positive.
+            let kept = SMatrix::<f64, N, N>::identity() - gain * h;
+            kept * covariance * kept.transpose() + gain * r * gain.transpose()
+        };
         Some(Told { white, scale, step: gain * plain, covariance, tails: *tails, aims: *aims })
     }
 }

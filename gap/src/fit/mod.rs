@@ -9,6 +9,7 @@ use asami_dataset::truth::pose_at;
 use asami_dataset::{Dataset, TruePose};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::sin_cos;
+use rayon::prelude::*;
 
 use crate::columns::{Columns, Group};
 use crate::memory::Memory;
@@ -89,7 +90,7 @@ pub fn motion_alone(shape: &Shape, runs: &[Dataset]) -> Vec<f64> {
 pub fn rhythm(shape: &Shape, runs: &[Dataset]) -> Rhythm {
     let numbers = nominal(shape, &Rhythm::default(), runs);
     let runs = seen(shape, &Rhythm::default(), runs);
-    let heard: Vec<Vec<Heard>> = runs.iter().map(|run| sensor::heard(shape, run, &numbers)).collect();
+    let heard: Vec<Vec<Heard>> = runs.par_iter().map(|run| sensor::heard(shape, run, &numbers)).collect();
     Rhythm::listen(&heard, frame_s(&runs), &numbers)
 }
 
@@ -143,14 +144,15 @@ pub fn changed(
 
 /// The runs as they are seen, with the rhythm taken out.
 fn seen(shape: &Shape, rhythm: &Rhythm, runs: &[Dataset]) -> Vec<Run> {
-    let mut runs: Vec<Run> = runs.iter().filter_map(|run| Run::new(run, &shape.columns).ok()).collect();
-    if !rhythm.is_silent() {
-        for run in &mut runs {
-            let of = rhythm.of(&sensor::heard(shape, run, &rhythm.numbers));
+    let seen = |run: &Dataset| {
+        let mut run = Run::new(run, &shape.columns).ok()?;
+        if !rhythm.is_silent() {
+            let of = rhythm.of(&sensor::heard(shape, &run, &rhythm.numbers));
             run.view.steady(&of);
         }
-    }
-    runs
+        Some(run)
+    };
+    runs.par_iter().filter_map(seen).collect()
 }
 
 /// Median time from frame to frame.

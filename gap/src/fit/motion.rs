@@ -1,6 +1,7 @@
 //! How commands move the robot: the columns' numbers, and the noise that is left.
 
 use asami_math::elementary::{exp, ln};
+use rayon::prelude::*;
 
 use super::{Free, Run, dot};
 use crate::columns::{Columns, Group};
@@ -50,7 +51,7 @@ fn sums(shape: &Shape, run: &Run, of: &[usize], numbers: &[f64], variances: Vari
 pub fn unforeseen(shape: &Shape, runs: &[Run]) -> f64 {
     let of = free_columns(&shape.columns, false);
     let nothing = vec![0.0; shape.len()];
-    let all: Vec<[Sums; 3]> = runs.iter().map(|run| sums(shape, run, &of, &nothing, &|_| [1.0; 3])).collect();
+    let all: Vec<[Sums; 3]> = runs.par_iter().map(|run| sums(shape, run, &of, &nothing, &|_| [1.0; 3])).collect();
     let left = |axis: usize| {
         let by_others = all.iter().enumerate().map(|(i, run)| {
             let others = all.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, run)| run[axis].clone());
@@ -78,7 +79,7 @@ fn regressed(shape: &Shape, runs: &[Run], variances: Variances, numbers: &mut [f
     let of = free_columns(&shape.columns, false);
     let width = shape.columns.len();
     let nothing = vec![0.0; numbers.len()];
-    let all: Vec<[Sums; 3]> = runs.iter().map(|run| sums(shape, run, &of, &nothing, variances)).collect();
+    let all: Vec<[Sums; 3]> = runs.par_iter().map(|run| sums(shape, run, &of, &nothing, variances)).collect();
     for axis in 0..3 {
         let runs: Vec<Sums> = all.iter().map(|run| run[axis].clone()).collect();
         for (column, number) in of.iter().zip(ridged(&runs, PRIOR_MOTION[axis])) {
@@ -166,7 +167,7 @@ fn terms(shape: &Shape, base: &[f64], of: &[usize], axis: usize) -> Vec<(usize, 
 }
 
 /// Variances of a second's motion at a step.
-type Variances<'a> = &'a dyn Fn(&Step) -> [f64; 3];
+type Variances<'a> = &'a (dyn Fn(&Step) -> [f64; 3] + Sync);
 
 /// Those that `numbers` say.
 fn variances(shape: &Shape, numbers: &[f64]) -> impl Fn(&Step) -> [f64; 3] {

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{exp, ln, logistic, logit, sin_cos};
+use rayon::prelude::*;
 
 use super::motion::moved;
 use super::{Run, dot, frame_s};
@@ -140,20 +141,20 @@ fn curves(shape: &Shape, runs: &[Run], known: Option<&[f64]>, numbers: &mut [f64
     let noise = [Numbers::SizeNoise, Numbers::BearingNoise].map(|group| shape.range(group).start);
     let change: Vec<f64> = of.iter().map(|i| numbers[*i] - known.map_or(0.0, |known| known[*i])).collect();
     let width = if known.is_some() { of.len() } else { of.len() - shape.width(Numbers::Moved) };
-    let sums: Vec<Sums> = runs
-        .iter()
+    let before: &[f64] = numbers;
+    let mut sums: Vec<Sums> = runs
+        .par_iter()
         .map(|run| {
             let mut sums = Sums::new(width);
-            each(shape, run, numbers, |left, rows| {
+            each(shape, run, before, |left, rows| {
                 for k in 0..2 {
                     let y = left.residual[k] + dot(&rows[k][..width], &change[..width]);
-                    sums.add(&rows[k][..width], y, left.genuine * exp(-2.0 * numbers[noise[k] + left.band]));
+                    sums.add(&rows[k][..width], y, left.genuine * exp(-2.0 * before[noise[k] + left.band]));
                 }
             });
             sums
         })
         .collect();
-    let mut sums = sums;
     if let (None, Some(first)) = (known, sums.first_mut()) {
         for (column, prior_sd) in shape.off_columns() {
             let row: Vec<f64> = (0..width).map(|i| if i == column { 1.0 } else { 0.0 }).collect();

@@ -30,7 +30,8 @@ pub struct Budget {
     /// Runs with each kind of effect at each size.
     pub runs: u64,
     /// Sizes of each kind of effect, log-spaced from its least to its greatest; of delays twice as many, and half as many more of
-    /// noise and shares. Where one is foretold badly by those next to it, there are more between them.
+    /// noise and shares. Where one is foretold badly by those next to it, there are more between them; where changes run on splines,
+    /// the least is left out.
     pub sizes: usize,
     /// Length of a run in seconds.
     pub run_s: f64,
@@ -53,8 +54,9 @@ impl Budget {
         } else if robot == "plain" {
             Self { nominal_runs: 64, runs: 16, sizes: 6, ..Self::default() }
         } else if robot == "aibo" {
-            // Rapier takes 3.3 s of a core for 150 s: with 41 kinds at four sizes and more, 20 minutes of one. Of the nominal world,
-            // which is learned but once, there is more: what is wrong with it speaks for some cause in every log.
+            // Rapier takes 2.7 s of a core for 150 s: with 37 kinds that one beacon shows, at three sizes and more, a quarter of an
+            // hour of one. Of the nominal world, which is learned but once, there is more: what is wrong with it speaks for some cause
+            // in every log.
             Self { nominal_runs: 64, runs: 2, ..Self::default() }
         } else if robot == "create" {
             // Rapier takes 0.35 s of a core for 150 s of two wheels.

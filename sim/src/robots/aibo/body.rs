@@ -14,6 +14,8 @@ use crate::robots::frames::{from_engine, to_engine};
 
 /// The axis about which every joint turns, in its own frame.
 const AXIS: usize = JointAxis::AngX as usize;
+/// Nearer than this to a limit a joint could meet it within a step: its servo makes an eighth of that.
+const NEAR_RAD: f32 = 0.1;
 
 /// A load's size, and how high above the body's centre it is: on the back.
 pub(super) const PAYLOAD_RADIUS_M: f32 = 0.03;
@@ -113,6 +115,20 @@ impl Body {
         };
         Some(&mut joint.motors[AXIS])
     }
+
+    /// Leaves to the engine only those limits that a joint is near to, or beyond: each costs it as much as a motor, and does nothing
+    /// before it is met.
+    fn mind_limits(&mut self) {
+        let JointHandles::Multibody(handles) = &self.joints else { return };
+        for &handle in handles {
+            let Some((multibody, link)) = self.engine.multibody_joints.get_mut(handle) else { continue };
+            let Some(link) = multibody.link_mut(link) else { continue };
+            let angle_rad = link.joint.coords()[AXIS];
+            let limits = &link.joint.data.limits[AXIS];
+            let is_near = angle_rad < limits.min + NEAR_RAD || angle_rad > limits.max - NEAR_RAD;
+            link.joint.data.limit_axes.set(JointAxesMask::ANG_X, is_near);
+        }
+    }
 }
 
 impl Engine for Body {
@@ -161,6 +177,7 @@ impl Engine for Body {
     }
 
     fn step(&mut self) {
+        self.mind_limits();
         self.engine.step();
     }
 

@@ -5,19 +5,17 @@ use asami_math::angle::wrap_rad;
 use asami_math::elementary::atan2;
 use nalgebra::Vector3;
 
-use super::BuildError;
 use super::blueprint::{Blueprint, JOINTS};
-use super::body::Body;
 use super::config::AiboConfig;
 use super::engine::Engine;
 use super::eye::Eye;
 use super::gait::{Attempt, Trot};
 use super::grip::Grip;
 use super::heading::Heading;
-use super::outside::{Outside, Program};
 use super::posture::{Start, joints_rad};
 use super::servo::SetPoints;
 use super::watch::{Contacts, Watch, outline};
+use super::{BuildError, By};
 use crate::effect::{CommandStage, JointStage, SightingStage, Stage};
 use crate::effects::Effects;
 use crate::knobs::{GroundKnobs, Knobs};
@@ -65,15 +63,15 @@ impl AiboWorld {
         start: Start,
         seed: Seed,
     ) -> Result<Self, BuildError> {
-        Self::in_engine(None, config, field, camera, effects, start, seed)
+        Self::in_engine(By::Rapier, config, field, camera, effects, start, seed)
     }
 
-    /// The same in another program's engine, if one is named.
+    /// The same in any engine.
     ///
     /// # Errors
     /// If the URDF lacks a part, or the engine refuses it or does not start.
     pub fn in_engine(
-        program: Option<&Program>,
+        by: By<'_>,
         config: &AiboConfig,
         field: &Field,
         camera: &CameraConfig,
@@ -90,10 +88,7 @@ impl AiboWorld {
             ..Knobs::default()
         };
         let knobs = turned(&nominal, effects, 0.0);
-        let mut body: Box<dyn Engine> = match program {
-            Some(program) => Box::new(Outside::new(program, config, &blueprint, &world_from_torso, &angles_rad)?),
-            None => Box::new(Body::new(config, &blueprint, &world_from_torso, &angles_rad)?),
-        };
+        let mut body = by.body(config, &blueprint, &world_from_torso, &angles_rad)?;
         body.load(&knobs.body);
         body.incline(knobs.ground.slope);
         for _ in 0..(config.physics.settle_s / config.physics.time_step_s).round() as u64 {

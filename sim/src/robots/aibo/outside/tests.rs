@@ -1,6 +1,6 @@
 use super::*;
 use crate::effects::Effects;
-use crate::robots::aibo::{AiboWorld, Start};
+use crate::robots::aibo::{AiboWorld, By, Start};
 use crate::scenes::field::Field;
 use crate::sensors::camera::CameraConfig;
 use crate::world::{Record, World};
@@ -14,7 +14,15 @@ const ANSWER: &str = r#"{"torso":[0.1,0,0.15,0.7071067811865476,0,0,0.7071067811
 fn world(script: &str) -> Result<AiboWorld, BuildError> {
     let program = ["sh", "-c", script].map(str::to_owned);
     let (config, camera, start) = (AiboConfig::default(), CameraConfig::default(), Start::default());
-    AiboWorld::in_engine(Some(&program), &config, &Field::default(), &camera, &Effects::default(), start, Seed(1))
+    AiboWorld::in_engine(
+        By::Program(&program),
+        &config,
+        &Field::default(),
+        &camera,
+        &Effects::default(),
+        start,
+        Seed(1),
+    )
 }
 
 #[test]
@@ -65,8 +73,15 @@ fn an_engine_that_fails_says_why_and_hangs_nothing() {
 fn an_engine_that_is_not_there_is_named() {
     let program = ["no-such-engine".to_owned(), "--fast".to_owned()];
     let (config, camera, start) = (AiboConfig::default(), CameraConfig::default(), Start::default());
-    let error =
-        AiboWorld::in_engine(Some(&program), &config, &Field::default(), &camera, &Effects::default(), start, Seed(1));
+    let error = AiboWorld::in_engine(
+        By::Program(&program),
+        &config,
+        &Field::default(),
+        &camera,
+        &Effects::default(),
+        start,
+        Seed(1),
+    );
     let error = error.err().expect("no such program").to_string();
     assert!(error.contains("no-such-engine --fast"), "{error}");
 }
