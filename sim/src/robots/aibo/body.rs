@@ -369,3 +369,6 @@ fn foot(engine: &PhysicsWorld, links: &[(String, RigidBodyHandle)], leg: &str) -
     let lowest = engine.bodies[lower].colliders().iter().copied().min_by(|a, b| below(a).total_cmp(&below(b)));
     lowest.ok_or(BuildError::Missing { kind: "foot in link", name })
 }
+
+#[cfg(test)]
+mod tests;
