@@ -115,7 +115,8 @@ impl Simulation {
         AiboWorld::in_engine(by, &self.aibo, &self.field, &self.camera, &self.effects, start, seed)
     }
 
-    /// The log of a case of an Aibo, whichever robot the scenario has, that is moved by an engine of the caller's choice, and where it was.
+    /// The log of a case of an Aibo, whichever robot the scenario has, moved by an engine of the caller's choice, and where
+    /// it was.
     ///
     /// # Errors
     /// If the robot cannot be built.

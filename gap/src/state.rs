@@ -113,3 +113,47 @@ impl<const N: usize> State<N> {
         self.covariance.column_mut(i).fill(0.0);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A state whose numbers all hang together.
+    fn some<const N: usize>() -> State<N> {
+        let root = SMatrix::<f64, N, N>::from_fn(|i, j| ((3 * i + 5 * j * j) as f64).sin());
+        State { mean: SVector::from_fn(|i, _| i as f64), covariance: root * root.transpose() }
+    }
+
+    fn assert_carried<const N: usize>(before: &State<N>, by: &SMatrix<f64, N, N>, after: &State<N>) {
+        let expected = by * before.covariance * by.transpose();
+        assert!((after.covariance - expected).norm() < 1e-12, "{} {expected}", after.covariance);
+    }
+
+    #[test]
+    fn what_is_carried_on_is_what_the_whole_derivative_makes_of_it() {
+        let (before, [x, y]) = (some::<SWAYING>(), [0.3, -0.7]);
+        let mut by = SMatrix::<f64, SWAYING, SWAYING>::identity();
+        (by[(0, 2)], by[(1, 2)]) = (x, y);
+        let mut after = before;
+        after.carry([x, y]);
+        for (at, on) in SWAYS.into_iter().zip([[1.2, -0.5], [0.4, 0.1]]) {
+            by.fixed_view_mut::<2, 2>(at, at).copy_from(&Matrix2::new(on[0], on[1], 1.0, 0.0));
+            after.sway_on(at, on);
+            let [now, earlier] = [before.mean[at], before.mean[at + 1]];
+            assert_eq!([after.mean[at], after.mean[at + 1]], [on[0] * now + on[1] * earlier, now]);
+        }
+        assert_carried(&before, &by, &after);
+    }
+
+    #[test]
+    fn errors_fade_with_all_that_hangs_on_them() {
+        let before = some::<LASTING>();
+        let (mut after, mut by) = (before, SMatrix::<f64, LASTING, LASTING>::identity());
+        for at in ERRORS {
+            by[(at, at)] = 0.8;
+            after.fade(at, 0.8);
+            assert_eq!(after.mean[at], 0.8 * before.mean[at]);
+        }
+        assert_carried(&before, &by, &after);
+    }
+}

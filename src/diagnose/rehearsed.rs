@@ -32,13 +32,14 @@ impl<'a> Rehearsed<'a> {
 
     fn take(&self, seed: Seed, until_s: f64) -> Taken {
         let of_seed = self.takes.lock().unwrap_or_else(PoisonError::into_inner).entry(seed.0).or_default().clone();
-        of_seed.get_or_init(|| note(self.nominal, seed, until_s)).clone()
+        let nominal = || Simulation { duration_s: until_s, ..self.nominal.clone() };
+        of_seed.get_or_init(|| note(&nominal(), seed)).clone()
     }
 }
 
-fn note(nominal: &Simulation, seed: Seed, until_s: f64) -> Taken {
+/// A take of a case.
+fn note(simulation: &Simulation, seed: Seed) -> Taken {
     let notes = Notes::default();
-    let simulation = Simulation { duration_s: until_s, ..nominal.clone() };
     simulation.walked(By::Noted(&notes), seed).map_err(|error| CannotPlay(error.to_string()))?;
     let take = std::mem::take(&mut *notes.lock().unwrap_or_else(PoisonError::into_inner));
     Ok(Arc::new(take))
@@ -88,18 +89,24 @@ impl Nominal for Rehearsed<'_> {
 mod tests {
     use asami_dataset::{Beacon, Known, Log};
     use asami_gap::Variant;
+    use asami_sim::effect::Place;
 
     use super::*;
     use crate::diagnose::nominal::Held;
 
+    /// The shipped world among so many beacons.
+    fn among(beacons: u16) -> Held {
+        let beacon = |id| Beacon { id, x_m: 0.0, y_m: 0.0, height_m: None };
+        let landmarks = (0..beacons).map(beacon).collect();
+        let known = Known { robot: "aibo".to_owned(), landmarks, ..Known::default() };
+        Held::find(None, &Log { known: known.into(), ..Log::default() }).unwrap()
+    }
+
     /// Before one beacon, where the robot goes by what it sees, and among four, where it does not.
     #[test]
     fn logs_of_every_effect_are_what_they_are_unrehearsed() {
-        for landmarks in [1, 4] {
-            let beacon = |id| Beacon { id, x_m: 0.0, y_m: 0.0, height_m: None };
-            let landmarks = (0..landmarks).map(beacon).collect();
-            let known = Known { robot: "aibo".to_owned(), landmarks, ..Known::default() };
-            let held = Held::find(None, &Log { known: known.into(), ..Log::default() }).unwrap();
+        for beacons in [1, 4] {
+            let held = among(beacons);
             let nominal = &*held.simulation;
             let rehearsed = Rehearsed::new(nominal);
             for variant in Variant::all("aibo", nominal.landmarks(), &[]) {
@@ -109,6 +116,20 @@ mod tests {
                 assert_eq!(played(&rehearsed), played(nominal), "{} {}", held.name, variant.name());
             }
             assert_eq!(rehearsed.takes.lock().unwrap().len(), 1, "one seed was played");
+        }
+    }
+
+    /// What makes a take worth its while: to the end nothing else is told.
+    #[test]
+    fn among_four_beacons_what_acts_on_sensors_tells_the_engine_nothing_else() {
+        let held = among(4);
+        let nominal = Simulation { duration_s: 2.5, ..(*held.simulation).clone() };
+        let take = note(&nominal, Seed(3)).unwrap();
+        for variant in Variant::all("aibo", nominal.landmarks(), &[]) {
+            let mut simulation = nominal.clone();
+            variant.plant(variant.sizes().1, &mut simulation.effects);
+            let senses = matches!(variant.place(), Place::Sensing | Place::Scene);
+            assert_eq!(note(&simulation, Seed(3)).unwrap() == take, senses, "{}", variant.name());
         }
     }
 }

@@ -48,17 +48,21 @@ impl<const N: usize> Odd<N> {
         let white = [first / spread[0], (plain.y - l[(1, 0)] * first) / scale[1]];
         let gain = across * inverse;
         let covariance = if N == SWAYING {
-            // As symmetric as Joseph's form, with a sixth of its products.
+            // Noise that sways is never next to none, so that this stays positive as well; it is most of what a sighting costs.
             let [first, second] = [0, 1].map(|k| across.column(k));
             let first = first / l[(0, 0)];
             let second = (second - l[(1, 0)] * first) / l[(1, 1)];
             covariance - first * first.transpose() - second * second.transpose()
         } else {
-            // Joseph's form keeps the covariance symmetric and positive.
-            let kept = SMatrix::<f64, N, N>::identity() - gain * h;
-            kept * covariance * kept.transpose() + gain * r * gain.transpose()
+            self.joseph(covariance, &gain)
         };
         Some(Told { white, scale, step: gain * plain, covariance, tails: *tails, aims: *aims })
+    }
+
+    /// Joseph's form keeps the covariance symmetric and positive, however little noise there is.
+    fn joseph(&self, covariance: &SMatrix<f64, N, N>, gain: &SMatrix<f64, N, 2>) -> SMatrix<f64, N, N> {
+        let kept = SMatrix::<f64, N, N>::identity() - gain * self.h;
+        kept * covariance * kept.transpose() + gain * self.r * gain.transpose()
     }
 }
 
@@ -130,6 +134,31 @@ mod tests {
             assert!((all.likely - 0.8).abs() < 1e-12 && (all.step[0] - mean).abs() < 1e-12);
             assert!((all.covariance[(0, 0)] - (squares - mean * mean)).abs() < 1e-12);
         }
+    }
+
+    /// A covariance of so many numbers.
+    fn some<const N: usize>() -> SMatrix<f64, N, N> {
+        let root = SMatrix::<f64, N, N>::from_fn(|i, j| ((3 * i + 5 * j * j) as f64).sin());
+        root * root.transpose() + SMatrix::identity()
+    }
+
+    #[test]
+    fn where_it_sways_the_covariance_is_that_of_josephs_form() {
+        let covariance = some::<SWAYING>();
+        let odd = Odd {
+            plain: Vector2::new(0.3, -0.2),
+            h: SMatrix::<f64, 2, SWAYING>::from_fn(|i, j| ((7 * i + 2 * j) as f64).cos()),
+            r: Matrix2::new(0.4, 0.0, 0.0, 0.1),
+            spread: [1.0; 2],
+            tails: Tails::default(),
+            aims: true,
+        };
+        let across = covariance * odd.h.transpose();
+        let gain = across * (odd.h * across + odd.r).try_inverse().unwrap();
+        let told = odd.told(&covariance).unwrap();
+        assert!((told.covariance - odd.joseph(&covariance, &gain)).norm() < 1e-12, "{}", told.covariance);
+        assert!((told.step - gain * odd.plain).norm() < 1e-12);
+        assert_eq!(told.covariance, told.covariance.transpose());
     }
 
     #[test]

@@ -13,7 +13,7 @@ use super::engine::Engine;
 use crate::knobs::BodyKnobs;
 
 /// What an engine was told, and where the body was before the first step and after each.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Take {
     told: Vec<Told>,
     stood: Vec<Stood>,

@@ -12,7 +12,12 @@ const ANSWER: &str = r#"{"torso":[0.1,0,0.15,0.7071067811865476,0,0,0.7071067811
 
 /// A world in an engine that is a script of the shell.
 fn world(script: &str) -> Result<AiboWorld, BuildError> {
-    let program = ["sh", "-c", script].map(str::to_owned);
+    world_in(&["sh", "-c", script])
+}
+
+/// A world in a program's engine.
+fn world_in(program: &[&str]) -> Result<AiboWorld, BuildError> {
+    let program: Vec<String> = program.iter().map(|it| (*it).to_owned()).collect();
     let (config, camera, start) = (AiboConfig::default(), CameraConfig::default(), Start::default());
     AiboWorld::in_engine(
         By::Program(&program),
@@ -71,17 +76,7 @@ fn an_engine_that_fails_says_why_and_hangs_nothing() {
 
 #[test]
 fn an_engine_that_is_not_there_is_named() {
-    let program = ["no-such-engine".to_owned(), "--fast".to_owned()];
-    let (config, camera, start) = (AiboConfig::default(), CameraConfig::default(), Start::default());
-    let error = AiboWorld::in_engine(
-        By::Program(&program),
-        &config,
-        &Field::default(),
-        &camera,
-        &Effects::default(),
-        start,
-        Seed(1),
-    );
+    let error = world_in(&["no-such-engine", "--fast"]);
     let error = error.err().expect("no such program").to_string();
     assert!(error.contains("no-such-engine --fast"), "{error}");
 }
