@@ -61,6 +61,13 @@ pub enum Group {
     Held,
     /// Growing with time in the log: velocities, velocities times speed, moving at all.
     Wear,
+    /// Of a base on two wheels, what lingers of the speed times the squared turning rate.
+    Turning,
+}
+
+impl Group {
+    /// All of them, in order.
+    pub const ALL: [Self; 6] = [Self::Curve, Self::Lingering, Self::Heading, Self::Held, Self::Wear, Self::Turning];
 }
 
 impl Columns {
@@ -117,14 +124,15 @@ impl Columns {
             Group::Held if self.heading => 0,
             Group::Held => SPEED_KNOTS.len() * (HELD_AGES_S.len() - 1),
             Group::Wear => 7,
+            Group::Turning if self.rolls() => AGES_S.len() - 1,
+            Group::Turning => 0,
         }
     }
 
     /// Where a group's columns are.
     #[must_use]
     pub fn range(&self, group: Group) -> std::ops::Range<usize> {
-        let order = [Group::Curve, Group::Lingering, Group::Heading, Group::Held, Group::Wear];
-        let start = order.iter().take_while(|it| **it != group).map(|it| self.width(*it)).sum::<usize>();
+        let start = Group::ALL.iter().take_while(|it| **it != group).map(|it| self.width(*it)).sum::<usize>();
         start..start + self.width(group)
     }
 
@@ -155,10 +163,22 @@ impl Columns {
         hats.chain(rest.map(|column| vec![(column, 1.0)])).collect()
     }
 
+    /// Ages between which what lingers is averaged, in seconds.
+    #[must_use]
+    pub fn ages_s() -> &'static [f64] {
+        &AGES_S
+    }
+
+    /// Of each of the curve's columns the nominal velocity, in shares of each axis's greatest; none where it is not known.
+    #[must_use]
+    pub fn nominal(&self) -> &[[f64; 3]] {
+        &self.nominal
+    }
+
     /// How many columns there are.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.range(Group::Wear).end
+        self.range(Group::Turning).end
     }
 
     /// Whether nothing is ever commanded.
@@ -196,11 +216,15 @@ impl Columns {
         let velocity = self.velocity(commands, from_s, to_s, &mut scratch);
         row[self.range(Group::Curve)].copy_from_slice(&scratch);
         let middle_s = 0.5 * (from_s + to_s);
-        let lingering = &mut row[self.range(Group::Lingering)];
-        for (ages_s, columns) in AGES_S.windows(2).zip(lingering.chunks_exact_mut(3)) {
+        let (lingering, turning) = (self.range(Group::Lingering).start, self.range(Group::Turning));
+        let in_turn = scratch.last().copied().unwrap_or(0.0);
+        for (age, ages_s) in AGES_S.windows(2).enumerate() {
             let then = self.velocity(commands, middle_s - ages_s[1], middle_s - ages_s[0], &mut scratch);
-            for ((column, then), now) in columns.iter_mut().zip(then).zip(velocity) {
+            for ((column, then), now) in row[lingering + 3 * age..].iter_mut().zip(then).zip(velocity) {
                 *column = then - now;
+            }
+            if let Some(column) = row[turning.clone()].get_mut(age) {
+                *column = scratch.last().copied().unwrap_or(0.0) - in_turn;
             }
         }
         let heading = self.range(Group::Heading).start;

@@ -8,7 +8,6 @@
 //! prints.
 
 pub mod answer;
-pub mod aside;
 pub mod blocks;
 pub mod columns;
 pub mod directions;

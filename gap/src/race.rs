@@ -23,6 +23,18 @@ impl Pace {
         Self { so_far: reading.log_likelihoods.iter().scan(0.0, sum).collect() }
     }
 
+    /// That of the steps at these places alone.
+    #[must_use]
+    pub fn of_part(&self, at: &[usize]) -> Self {
+        let so_far = |i: usize| self.so_far.get(i).copied().unwrap_or(f64::NEG_INFINITY);
+        let term = |i: &usize| so_far(*i) - i.checked_sub(1).map_or(0.0, so_far);
+        let sum = |sum: &mut f64, it: f64| {
+            *sum += it;
+            Some(*sum)
+        };
+        Self { so_far: at.iter().map(term).scan(0.0, sum).collect() }
+    }
+
     /// The whole log's.
     #[must_use]
     pub fn total(&self) -> f64 {

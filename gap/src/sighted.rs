@@ -47,8 +47,7 @@ impl<'a> Sighted<'a> {
     /// # Errors
     /// [`CannotSee`] says what the log lacks.
     pub fn new(log: &Log, library: &'a Library) -> Result<Self, CannotSee> {
-        let aside = library.aside;
-        Self::scoring(log, library, |t_s| aside.is_none_or(|aside| !aside.holds(t_s)))
+        Self::scoring(log, library, |_| true)
     }
 
     /// Looks at a log, of which the times for which `of` says so are scored.

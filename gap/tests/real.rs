@@ -6,8 +6,11 @@ use std::sync::OnceLock;
 use asami_dataset::log::RangeBearing;
 use asami_dataset::{Command, Known, Log, Seed, Sighting, Size};
 use asami_gap::answer::diagnosis::{Diagnosis, Verdict};
-use asami_gap::aside::Aside;
+use asami_gap::judge::Judge;
 use asami_gap::library::{Budget, play};
+use asami_gap::race::Pace;
+use asami_gap::real::crossed::Crossed;
+use asami_gap::real::folds::Folds;
 use asami_gap::real::layers::{Least, layers, planted as of_layers};
 use asami_gap::shape::Numbers;
 use asami_gap::view::View;
@@ -65,7 +68,7 @@ fn named(diagnosis: &Diagnosis) -> Vec<String> {
     named
 }
 
-/// Noise that is another than nominally is no cause, and is found as large as it is, within what a quarter of the log tells.
+/// Noise that is another than nominally is no cause, and is found as large as it is, within what the log tells.
 #[test]
 fn what_is_noisier_than_its_simulator_has_no_gap() {
     for (noise, seed) in [([1.0, 1.0, 1.0], 0), ([1.5, 1.4, 1.5], 1), ([1.0, 2.0, 0.6], 2)] {
@@ -74,7 +77,7 @@ fn what_is_noisier_than_its_simulator_has_no_gap() {
         assert_eq!(diagnosis.verdict, Verdict::None, "{noise:?}: {:?}", diagnosis.which);
         assert!(diagnosis.smallest_visible.len() >= 3, "{:?}", diagnosis.smallest_visible);
         assert!(diagnosis.astray_s.unwrap() <= 6.0, "{noise:?}: {:?}", diagnosis.astray_s);
-        let noisy = library().noisy_as(&log, Aside::default(), &[], None).unwrap();
+        let noisy = library().noisy_as(&log, |_| true, &[], None).unwrap();
         let shape = &library().base.shape;
         for (group, ratio) in [(Numbers::SizeNoise, noise[1]), (Numbers::BearingNoise, noise[2])] {
             let at = shape.range(group).start;
@@ -83,7 +86,7 @@ fn what_is_noisier_than_its_simulator_has_no_gap() {
         }
         let said = diagnosis.noise.unwrap();
         assert_eq!(said.lasting_share, 0.0, "{noise:?}: white noise does not last");
-        // Of motion 45 s say little.
+        // Of motion 90 s say little.
         let [size, bearing, motion] = [said.size_ratio, said.bearing_ratio, said.motion_ratio];
         for (found, ratio, most) in [(size, noise[1], 1.25), (bearing, noise[2], 1.25), (motion, noise[0], 2.5)] {
             assert!(found < most * ratio && ratio < most * found, "{noise:?}: {said:?}");
@@ -172,20 +175,67 @@ fn a_gap_that_no_effect_explains_is_unknown() {
     assert!(diagnosis.which.iter().all(|cause| cause.place.is_none() || cause.effects[0] == "command_scale"));
 }
 
-/// What noise was learned from is not asked again.
+/// Sightings of these blocks of 20 s, twice as far off in height as they were; of the first, the third and so on.
+fn noisier_by_turns(log: &Log) -> Log {
+    let mut rng = Seed(20).stream("real/by_turns");
+    let sd_px = 3.0_f64.sqrt() * quiet().config.sight.sigma1_px;
+    let sightings = log.sightings.iter().map(|seen| {
+        let off: f64 = StandardNormal.sample(&mut rng);
+        let more_px = if Folds::default().of(seen.t_s) == 0 { sd_px * off } else { 0.0 };
+        Sighting { size: Size::HeightPx(seen.size.value() + more_px), ..*seen }
+    });
+    Log { sightings: sightings.collect::<Vec<_>>().into(), ..log.clone() }
+}
+
+/// Noise is of the blocks that it is not held against.
 #[test]
-fn what_is_set_aside_is_not_scored() {
-    let log = log([1.0; 3], &[planted("command_scale", -1.0, 0.1)], 20);
-    let aside = Aside::default();
-    let noisy = library().noisy_as(&log, aside, &[], None).unwrap();
-    let (all, rest) = (library().judge(&log).unwrap(), noisy.judge(&log).unwrap());
-    let scored: Vec<f64> = rest.steps().iter().map(|step| step.t_s).collect();
-    assert!(scored.iter().all(|t_s| !aside.holds(*t_s)));
-    let share = scored.len() as f64 / all.steps().len() as f64;
-    // Blocks of 20 s, of 180 s: three of nine.
-    assert!((share - 6.0 / 9.0).abs() < 0.03, "{share}");
-    assert_eq!(rest.read(&rest.numbers(&[])).log_likelihoods.len(), scored.len());
-    let found = layers(&*rest, &variants(), Least { nats: 10.0, share: 0.0, late_once: true });
+fn noise_is_learned_where_nothing_is_diagnosed_with_it() {
+    let log = noisier_by_turns(&log([1.0; 3], &[], 20));
+    let folds = Folds::default();
+    let of_others = |fold: usize| library().noisy_as(&log, |t_s| folds.of(t_s) != fold, &[], None).unwrap();
+    let noisy: Vec<Library> = (0..folds.count).map(of_others).collect();
+    let at = library().base.shape.range(Numbers::SizeNoise).start;
+    let ratio = |fold: usize| (noisy[fold].base.numbers[at] - library().base.numbers[at]).exp();
+    assert!((ratio(0) - 1.0).abs() < 0.2 && (ratio(1) - 2.0).abs() < 0.4, "{} {}", ratio(0), ratio(1));
+    // Each block's terms are those under its own noise.
+    let crossed = Crossed::new(&log, &noisy, folds).unwrap();
+    let (numbers, terms) = (crossed.numbers(&[]), crossed.terms(&crossed.numbers(&[])));
+    for (fold, library) in noisy.iter().enumerate() {
+        let alone = library.judge(&log).unwrap();
+        let of_alone = alone.terms(&alone.numbers(&[]));
+        assert_eq!(alone.steps(), crossed.steps());
+        for (i, step) in crossed.steps().iter().enumerate().filter(|(_, step)| folds.of(step.t_s) == fold) {
+            assert_eq!(terms[i], of_alone[i], "{} s", step.t_s);
+        }
+    }
+    let reading = crossed.read(&numbers);
+    assert_eq!(reading.log_likelihoods, terms);
+    let total = crossed.beside(&numbers, &Pace::of(&reading));
+    assert!((total - reading.total()).abs() < 1e-6, "{total} {}", reading.total());
+}
+
+/// With one noise for all folds they are one log, whatever is in the world.
+#[test]
+fn folds_of_one_noise_are_one_log() {
+    let planted = [planted("command_scale", -1.0, 0.1)];
+    let log = log([1.0; 3], &planted, 21);
+    let two = [library().clone(), library().clone()];
+    let (crossed, whole) = (Crossed::new(&log, &two, Folds::default()).unwrap(), library().judge(&log).unwrap());
+    assert_eq!(crossed.steps(), whole.steps());
+    for planted in [&[][..], &planted] {
+        let numbers = whole.numbers(planted);
+        assert_eq!(crossed.numbers(planted), numbers);
+        let (a, b) = (crossed.read(&numbers), whole.read(&numbers));
+        assert_eq!((&a.log_likelihoods, &a.expected), (&b.log_likelihoods, &b.expected));
+        assert_eq!((a.observations, a.innovations.len()), (b.observations, b.innovations.len()));
+        assert_eq!(crossed.terms(&numbers), b.log_likelihoods);
+        // Who falls behind in one fold is out there, as it would be in the whole log.
+        let (pace, nominal) = (Pace::of(&b), whole.numbers(&[]));
+        let beside = crossed.beside(&nominal, &pace) - whole.terms(&nominal).iter().sum::<f64>();
+        assert!(beside.abs() < 1e-6 || crossed.beside(&nominal, &pace) < pace.total() - 60.0, "{beside}");
+    }
+    assert_eq!(crossed.regimes(), whole.regimes());
+    let found = layers(&crossed, &variants(), Least { nats: 10.0, share: 0.0, late_once: true });
     assert_eq!(of_layers(&found).len(), 1, "{found:?}");
 }
 

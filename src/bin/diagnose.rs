@@ -45,8 +45,8 @@ struct Arguments {
     /// probabilities are too bold [default: 300, of a robot in Rapier 75]
     #[arg(long, value_name = "N")]
     calibrate: Option<usize>,
-    /// The log is of a real robot: how noisy it is, is learned from a quarter of the log, in pieces, which is not diagnosed;
-    /// then effects are named one beside another, the most evident first, for as long as they explain more. Of a car: its laser scanner
+    /// The log is of a real robot: how noisy it is where it is diagnosed, is learned from the other half of the log, in pieces
+    /// by turns; effects are named one beside another, the most evident first, for as long as they explain more. Of a car: its laser scanner
     /// is held against the table of its own lasers, by its scans alone
     #[arg(long)]
     real: bool,

@@ -51,8 +51,8 @@ const LEAST_CASES: usize = 75;
 const _: () = assert!(LEAST_CASES <= CASES_IN_RAPIER && CASES_IN_RAPIER <= CASES);
 
 /// What a real robot's log is diagnosed by.
-const BY_A_QUARTER: &str = "a quarter of the log, in pieces of 20 s, says how noisy robot and sensor are; it is not diagnosed, and \
-                            probabilities are not calibrated";
+const BY_HALVES: &str = "of each half of the log, in pieces of 20 s by turns, the other half says how noisy robot and sensor are; \
+                         probabilities are not calibrated";
 /// And a real laser scanner's.
 const BY_SCANS: &str = "the scanner is held against the table of its own lasers, by its scans alone; how they scatter from second \
                         to second says how much is chance, and probabilities are not calibrated";
@@ -246,7 +246,7 @@ impl Answer {
         if asked.real {
             let car = log.known.robot == Robot::Car.name();
             let by = if !car {
-                BY_A_QUARTER
+                BY_HALVES
             } else if log.firings.is_some() {
                 BY_SCANS
             } else {

@@ -77,7 +77,7 @@ pub fn text(diagnosis: &Diagnosis) -> String {
         let [size, bearing, motion] = [noise.size_ratio, noise.bearing_ratio, noise.motion_ratio].map(digits);
         let nominal =
             format!("sizes scatter {size} times as nominally, bearings {bearing} times, motion {motion} times");
-        say("noise", &format!("{nominal} (of a quarter of the log that is set aside)"));
+        say("noise", &format!("{nominal} (of each half of the log, in pieces, by the other)"));
         if noise.lasting_share > 0.0 {
             let [percent, fades_s] = [100.0 * noise.lasting_share, noise.fades_s].map(digits);
             let lasts = format!("{percent} % of the variance of sizes lasts: it fades to 1/e in {fades_s} s");

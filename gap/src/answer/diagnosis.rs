@@ -41,7 +41,7 @@ pub struct Diagnosis {
     /// For how long, in seconds, a real robot did not do what it was told, whatever is found: not scored; `None` of other logs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub astray_s: Option<f64>,
-    /// How noisy a real robot and its sensor are, out of stretches set aside for that; `None` of other logs.
+    /// How noisy a real robot and its sensor are, of each part of the log out of the others; `None` of other logs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
     /// What the probabilities were calibrated on; `None`: they are the evidence as it is.

@@ -147,11 +147,11 @@ fn terms(shape: &Shape, base: &[f64], of: &[usize], axis: usize) -> Vec<(usize, 
     }
     terms.push((2, whole(&|_| greatest(axis).max(1e-3))));
     let group_of = |column: usize| {
-        let order = [Group::Curve, Group::Lingering, Group::Heading, Group::Held, Group::Wear];
-        let index = order.iter().position(|group| columns.range(*group).contains(&column));
+        let index = Group::ALL.iter().position(|group| columns.range(*group).contains(&column));
         // What lingers of the axis's own velocity is of another kind than what does of others'.
         match (index.unwrap_or(0), column - columns.range(Group::Lingering).start.min(column)) {
             (1, within) => 8 + usize::from(within % 3 != axis),
+            (5, _) => 10,
             (index, _) => 3 + index,
         }
     };

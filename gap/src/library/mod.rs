@@ -5,6 +5,7 @@ mod base;
 mod between;
 mod entry;
 mod gauge;
+mod passing;
 mod swaying;
 
 use asami_dataset::{Dataset, Log, Seed};
@@ -12,7 +13,6 @@ use asami_sim::effect::Block;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::aside::Aside;
 use crate::drive::Drives;
 use crate::judge::Judge;
 use crate::nominal::{CannotPlay, Nominal};
@@ -21,6 +21,7 @@ use crate::sighted::Sighted;
 use crate::view::CannotSee;
 pub use base::Base;
 pub use entry::Entry;
+use passing::Passing;
 
 /// How much is played for a library.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -88,9 +89,6 @@ pub struct Library {
     pub base: Base,
     /// Kinds of effects.
     pub entries: Vec<Entry>,
-    /// Where the log at hand said how noisy it is: what was learned from is not scored.
-    #[serde(skip)]
-    pub aside: Option<Aside>,
     /// Spans of time, from and to, in which the robot of this log does not do what it is told; of nominal logs none.
     #[serde(skip)]
     pub astray: Vec<[f64; 2]>,
@@ -162,7 +160,7 @@ impl Library {
     /// Of a nominal response and kinds of effects.
     #[must_use]
     pub fn new(base: Base, entries: Vec<Entry>) -> Self {
-        Self { base, entries, aside: None, astray: Vec::new() }
+        Self { base, entries, astray: Vec::new() }
     }
 
     /// Plays and learns all of it.
@@ -186,10 +184,16 @@ impl Library {
     /// The response with these effects in it; one that the library does not know changes nothing.
     #[must_use]
     pub fn numbers(&self, planted: &[Planted]) -> Vec<f64> {
-        let mut numbers = self.base.numbers.clone();
-        for Planted { variant, size } in planted {
-            if let Some(entry) = self.entry(variant) {
-                entry.add(&self.base.shape, *size, &mut numbers);
+        let Base { shape, numbers: base, .. } = &self.base;
+        let passing = if planted.len() > 1 { Passing::new(&shape.columns, base) } else { None };
+        let mut numbers = base.clone();
+        for (k, Planted { variant, size }) in planted.iter().enumerate() {
+            let Some(entry) = self.entry(variant) else { continue };
+            let before = numbers.clone();
+            entry.add(shape, *size, &mut numbers);
+            if let Some(passing) = passing.as_ref().filter(|_| k > 0) {
+                let less = |of: &[f64], than: &[f64]| of.iter().zip(than).map(|(a, b)| a - b).collect::<Vec<f64>>();
+                passing.add(&less(&before, base), &less(&numbers, &before), &mut numbers);
             }
         }
         numbers

@@ -10,7 +10,6 @@ use super::noise::FREE;
 use crate::blocks::likeliest;
 use crate::judge::Judge;
 use crate::plant::Planted;
-use crate::sighted::Sighted;
 
 /// A log is looked at in windows of this length.
 const WINDOW_S: f64 = 3.0;
@@ -23,7 +22,7 @@ const EARLIER_S: f64 = 3.0;
 
 /// Adds to `spans` those of a log that stand out under every response that is anything like that with these effects in the
 /// world; they stay in order of time and apart from one another.
-pub fn add(spans: &mut Vec<[f64; 2]>, judge: &Sighted<'_>, planted: &[Planted]) {
+pub fn add(spans: &mut Vec<[f64; 2]>, judge: &dyn Judge, planted: &[Planted]) {
     // What a robot always makes of a command is no going astray, even where nothing in the list does so.
     let numbers = FREE.iter().fold(judge.numbers(planted), |numbers, block| likeliest(&[judge], &numbers, block));
     let reading = judge.read(&numbers);

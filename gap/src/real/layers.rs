@@ -57,8 +57,7 @@ pub struct Least {
     /// One that adds less than this share to what all of its kind explain, the robot's motion or what its sensor makes of it:
     /// the response to a large effect is not known to the last nat, and small ones would make up for what it is off.
     pub share: f64,
-    /// Whether of two ways in which commands come late one is enough: where responses are added up, a lag behind a delay is
-    /// neither.
+    /// Whether of two ways in which commands come late one is enough: a log hardly tells a lag behind a delay from either.
     pub late_once: bool,
 }
 

@@ -1,7 +1,10 @@
 //! The diagnosis of a real robot's log: how noisy it is, then everything that parts it from the nominal world, the largest
 //! first.
 
+mod aside;
 pub mod astray;
+pub mod crossed;
+pub mod folds;
 pub mod layers;
 mod noise;
 pub mod pedals;
@@ -13,33 +16,37 @@ use std::collections::BTreeMap;
 use asami_dataset::Log;
 use asami_math::elementary::exp;
 use asami_sim::effect::{Block, Place};
+use rayon::prelude::*;
 
 use crate::answer::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
 use crate::answer::how_far::how_far;
 use crate::answer::place::places;
-use crate::aside::Aside;
 use crate::blocks::{self, Fitted};
 use crate::judge::Judge;
 use crate::library::Library;
 use crate::plant::Variant;
-use crate::sighted::Sighted;
 use crate::view::CannotSee;
 use crate::weigh::causes::{NONE, UNKNOWN};
 use crate::weigh::groups::smallest_visible;
+use crossed::Crossed;
+use folds::Folds;
 use layers::{Layer, Least, layers, planted, reconsidered};
 
 /// Noise is learned, effects are named, and again, for the noise is what the effects leave; the likeliest of these counts.
 const ROUNDS: usize = 4;
 /// In so many of the first ones it is looked for where the robot does not do what it is told.
 const LOOKING: usize = 2;
-/// What adds less than this share may as well be what the nominal world's own shape, or the library, is off.
-const LEAST: Least = Least { nats: 10.0, share: 0.01, late_once: true };
+/// Ten to one are against each further effect, and nine to one have to be for it: 4.5 nats. What adds less than this share may as
+/// well be what the nominal world's own shape, or the library, is off.
+const LEAST: Least = Least { nats: 5.0, share: 0.01, late_once: true };
+/// Where nothing in the list explains anything, there is a gap all the same if a flexible block has so much evidence.
+const UNEXPLAINED_NATS: f64 = 10.0;
 /// Where more of the gap than this remains with every effect in, something is unknown.
 const MOST_REMAINS: f64 = 0.3;
 /// Causes less probable than this are left out.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// Diagnoses a log of a real robot. Effects of noise are not thought of: what is set aside says how large it is. Nor is what the
+/// Diagnoses a log of a real robot. Effects of noise are not thought of: the rest of the log says how large it is. Nor is what the
 /// robot does where it does not do what it is told ([`astray`]).
 ///
 /// Probabilities are by layer: of an effect, its evidence over that of others in its place, beside all the rest. The probability of
@@ -52,28 +59,29 @@ pub fn diagnose(nominal: &Library, variants: &[Variant], log: &Log) -> Result<Di
     let shows = |it: &&Variant| it.place() != Place::Scene || nominal.base.shape.landmarks > 1;
     let variants: Vec<Variant> =
         variants.iter().filter(|it| it.block() != Block::Noise).filter(shows).cloned().collect();
-    let aside = Aside::default();
+    let folds = Folds::default();
     let mut library = nominal.clone();
-    let mut best = (f64::NEG_INFINITY, library.clone(), Vec::new());
-    let (mut before, mut found): (Option<Library>, Vec<Layer>) = (None, Vec::new());
+    let mut best = (f64::NEG_INFINITY, Vec::new(), Vec::new());
+    let (mut before, mut found): (Vec<Library>, Vec<Layer>) = (Vec::new(), Vec::new());
     for round in 0..ROUNDS {
-        let noisy = library.noisy_as(log, aside, &planted(&found), before.as_ref())?;
-        let judge = Sighted::new(log, &noisy)?;
+        let with = planted(&found);
+        let of_others = |fold: usize| library.noisy_as(log, |t_s| folds.of(t_s) != fold, &with, before.get(fold));
+        let noisy: Vec<Library> = (0..folds.count).into_par_iter().map(of_others).collect::<Result<_, _>>()?;
+        let judge = Crossed::new(log, &noisy, folds)?;
         found = layers(&judge, &variants, LEAST);
-        // Of what is not set aside: no noise was fitted to it.
         let likely = judge.log_likelihood(&planted(&found));
         if round < LOOKING {
-            astray::add(&mut library.astray, &Sighted::scoring(log, &noisy, |_| true)?, &planted(&found));
+            astray::add(&mut library.astray, &judge, &planted(&found));
         } else if likely > best.0 {
             best = (likely, noisy.clone(), found.clone());
         }
-        before = Some(noisy);
+        before = noisy;
     }
     let (_, noisy, found) = best;
-    let judge = Sighted::new(log, &noisy)?;
+    let judge = Crossed::new(log, &noisy, folds)?;
     let found = reconsidered(&judge, &variants, found, LEAST);
-    let astray_s = noisy.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
-    let noise = Some(noise::compared(nominal, &noisy));
+    let astray_s = library.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
+    let noise = noise::compared(nominal, &noisy);
     Ok(Diagnosis { astray_s: Some(astray_s), noise, ..assembled(&judge, &variants, &found) })
 }
 
@@ -82,7 +90,7 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagno
     let (base, with) = (judge.numbers(&[]), judge.numbers(&all));
     let blocks = blocks::fit(judge, &with, &|_| true);
     let block = blocks.into_iter().reduce(|a, b| if b.evidence_nats > a.evidence_nats { b } else { a });
-    let evident = block.as_ref().is_some_and(|block| block.evidence_nats >= LEAST.nats);
+    let evident = block.as_ref().is_some_and(|block| block.evidence_nats >= UNEXPLAINED_NATS);
     let far = if found.is_empty() { HowFar::default() } else { how_far(judge, &all) };
     let remains = match found {
         // All of it, where there is a gap at all.

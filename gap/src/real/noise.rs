@@ -1,16 +1,15 @@
-//! How noisy a real robot and its sensor are, out of stretches of the log that are set aside for it.
+//! How noisy a real robot and its sensor are, out of the parts of a log that are not diagnosed with it.
 //!
 //! A nominal world's noise is of its simulator. Held against a real log, whose noise is another, every cause that scatters
-//! would be evident, and none that moves something would be weighed as it should. Stretches that are not diagnosed say how
+//! would be evident, and none that moves something would be weighed as it should. Other parts than what is diagnosed say how
 //! large the noise is, and how long it lasts: everything else is left free there, so that no gap is taken for noise.
 
 use asami_dataset::Log;
-use asami_math::elementary::{exp, logistic};
-use asami_math::optimise::golden_section;
+use asami_math::elementary::{exp, ln, logistic};
+use asami_math::optimise::downhill;
 use asami_math::statistics::median;
 
 use crate::answer::diagnosis::Noise;
-use crate::aside::Aside;
 use crate::blocks::likeliest;
 use crate::directions::Direction;
 use crate::judge::Judge;
@@ -24,9 +23,9 @@ use crate::view::CannotSee;
 
 /// Blocks in which the response is made most likely there, one after another, each time once noise is; again and again.
 pub(super) const FREE: [&str; 3] = ["sensor", "static_motion", "timing"];
-/// How far a size of noise goes at once, and how closely it is found, in the noise block's standard deviations.
+/// How far a size of noise goes at once, and in what steps it is looked for, in the noise block's standard deviations.
 const FARTHEST: f64 = 3.0;
-const NEAR_ENOUGH: f64 = 0.05;
+const STEP: f64 = 0.5;
 /// At most so often.
 const MOST_ROUNDS: usize = 8;
 /// A round that gains less is the last, in nats.
@@ -58,7 +57,7 @@ const UNSURE: f64 = 2.0;
 const FORWARD: usize = 1;
 const TURN: usize = 2;
 /// What is kept of it.
-const NOISE: [Numbers; 5] =
+pub(super) const NOISE: [Numbers; 5] =
     [Numbers::MotionNoise, Numbers::SizeNoise, Numbers::BearingNoise, Numbers::False, Numbers::Detection];
 
 /// The noise made most likely, one size of it after another, as far as that goes: the likelihood is nowhere near quadratic
@@ -80,6 +79,7 @@ fn scattered(judge: &Sighted<'_>, mut numbers: Vec<f64>, each: bool) -> Vec<f64>
     let (first, then): (Vec<Direction>, Vec<Direction>) =
         judge.directions(&numbers, "noise").into_iter().partition(moves);
     let directions: Vec<Direction> = first.into_iter().chain(then).chain(alone).collect();
+    let mut here = likely(judge, &numbers);
     for direction in directions {
         let at =
             |by: f64| numbers.iter().zip(&direction).map(|(number, change)| number + by * change).collect::<Vec<_>>();
@@ -89,8 +89,9 @@ fn scattered(judge: &Sighted<'_>, mut numbers: Vec<f64>, each: bool) -> Vec<f64>
             moved.iter().map(|i| 0.5 * off(i) * off(i)).sum::<f64>() / moved.len().max(1) as f64
         };
         let unlikely = |by: f64| strange(by) - likely(judge, &at(by));
-        let found = golden_section(unlikely, -FARTHEST, FARTHEST, NEAR_ENOUGH);
-        if unlikely(found.x) < unlikely(0.0) {
+        let found = downhill(unlikely, strange(0.0) - here, STEP, FARTHEST);
+        if found.x != 0.0 {
+            here = strange(found.x) - found.value;
             numbers = at(found.x);
         }
     }
@@ -152,8 +153,25 @@ fn last_each(judge: &mut Sighted<'_>, numbers: &[f64]) {
     judge.memory.lasting = best.map_or_else(Lasting::default, |it| it.1);
 }
 
-/// The noise of a library that has it from a log over a nominal one's.
-pub(super) fn compared(nominal: &Library, noisy: &Library) -> Noise {
+/// The noise of libraries that have it from a log over a nominal one's, in the mean over them; `None` without any.
+pub(super) fn compared(nominal: &Library, noisy: &[Library]) -> Option<Noise> {
+    let each: Vec<Noise> = noisy.iter().map(|noisy| ratios(nominal, noisy)).collect();
+    let mean = |of: &dyn Fn(&Noise) -> f64| each.iter().map(of).sum::<f64>() / each.len() as f64;
+    let typical = |of: &dyn Fn(&Noise) -> f64| exp(mean(&|it| ln(of(it))));
+    let lasting_share = mean(&|it| it.lasting_share);
+    // Where nothing lasts, there is nothing to fade.
+    let fades_s = if lasting_share > 0.0 { mean(&|it| it.lasting_share * it.fades_s) / lasting_share } else { 0.0 };
+    (!each.is_empty()).then(|| Noise {
+        size_ratio: typical(&|it| it.size_ratio),
+        bearing_ratio: typical(&|it| it.bearing_ratio),
+        motion_ratio: typical(&|it| it.motion_ratio),
+        false_share: mean(&|it| it.false_share),
+        lasting_share,
+        fades_s,
+    })
+}
+
+fn ratios(nominal: &Library, noisy: &Library) -> Noise {
     let shape = &nominal.base.shape;
     let more = |i: usize| noisy.base.numbers[i] - nominal.base.numbers[i];
     let mean = |of: &[usize]| of.iter().fold(0.0, |sum, i| sum + more(*i)) / of.len().max(1) as f64;
@@ -176,7 +194,7 @@ pub(super) fn compared(nominal: &Library, noisy: &Library) -> Noise {
 }
 
 impl Library {
-    /// The same library with the noise of what is set aside of a log in the place of the nominal world's own. What is
+    /// The same library with the noise of some parts of a log in the place of the nominal world's own. What is
     /// `planted` is known to be in the world; whatever else may be is left free. What was known of it `before` is gone on
     /// from.
     ///
@@ -185,11 +203,11 @@ impl Library {
     pub fn noisy_as(
         &self,
         log: &Log,
-        aside: Aside,
+        of: impl Fn(f64) -> bool,
         planted: &[Planted],
         before: Option<&Self>,
     ) -> Result<Self, CannotSee> {
-        let mut judge = Sighted::scoring(log, self, |t_s| aside.holds(t_s))?;
+        let mut judge = Sighted::scoring(log, self, of)?;
         let mut numbers = self.numbers(planted);
         for of in NOISE.map(|group| self.base.shape.range(group)) {
             numbers[of.clone()].copy_from_slice(&before.unwrap_or(self).base.numbers[of]);
@@ -204,7 +222,7 @@ impl Library {
             }
         }
         let (numbers, memory) = self.likeliest_noise(&mut judge, &numbers);
-        let mut noisy = Self { aside: Some(aside), ..self.clone() };
+        let mut noisy = self.clone();
         noisy.base.memory = memory;
         for of in NOISE.map(|group| self.base.shape.range(group)) {
             noisy.base.numbers[of.clone()].copy_from_slice(&numbers[of.clone()]);

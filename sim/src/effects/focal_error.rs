@@ -7,7 +7,7 @@ effect! {
     /// The true focal length is a multiple of the nominal one, by which the vision computes.
     FocalError, "focal_error",
     "The camera's focal length is not the nominal one.",
-    Sensing, Sensor, fits ["aibo", "plain"],
+    Sensing, Sensor, fits ["aibo", "plain", "create"],
     source "lenses of this class are good to 2 to 5 % unless they are calibrated one by one",
     drawn [ratio: Size { way: Either, least: 0.005, greatest: 0.12 }],
     {

@@ -14,10 +14,10 @@ use asami_sim::effect::{Block, Place};
 use asami_sim::effects::Effects;
 use asami_sim::robots::car::CarConfig;
 
+use super::aside::Aside;
 use super::assembled;
 use super::layers::{Layer, Least, layers, planted, reconsidered};
 use crate::answer::diagnosis::Diagnosis;
-use crate::aside::Aside;
 use crate::drive::driven::Driven;
 use crate::drive::library::Drives;
 use crate::drive::motion::Step;

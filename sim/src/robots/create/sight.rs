@@ -64,6 +64,8 @@ impl Sight {
             (recognised && seen).then(|| {
                 // From the sensor itself, or only along its axis.
                 let measured_m = distance_m * (1.0 - eye.depth_share * (1.0 - cos(bearing_rad)));
+                // By how large it is in the image.
+                let measured_m = measured_m / eye.focal_ratio;
                 let range_m = measured_m * eye.range_ratio + eye.range_offset_m;
                 Sighting {
                     t_s,
@@ -81,9 +83,9 @@ impl Sight {
 
 /// By how much the image puts something off the axis farther out than it is. Beyond a right angle no lens sees.
 fn bent_rad(off_axis_rad: f64, eye: &EyeKnobs) -> f64 {
-    if eye.distortion == 0.0 || off_axis_rad.abs() >= std::f64::consts::FRAC_PI_2 {
+    if (eye.distortion, eye.focal_ratio) == (0.0, 1.0) || off_axis_rad.abs() >= std::f64::consts::FRAC_PI_2 {
         return 0.0;
     }
     let r = tan(off_axis_rad);
-    atan2(eye.bend(r * r) * r, 1.0) - off_axis_rad
+    atan2(eye.magnification(r * r) * r, 1.0) - off_axis_rad
 }

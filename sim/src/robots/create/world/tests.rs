@@ -1,5 +1,5 @@
 use asami_dataset::{Dataset, Sighting};
-use asami_math::elementary::hypot;
+use asami_math::elementary::{hypot, tan};
 
 use super::*;
 use crate::scenes::field::{Colour, Cylinder, Landmark};
@@ -165,6 +165,11 @@ fn ranges_and_bearings_are_the_sensors() {
     let with = |name, parameter, value| last(&drive(&config, &effects(&[(name, parameter, value)]), turned, 6.0));
     let depth = with("depth_for_range", "share", 1.0).size.value();
     assert!((depth - range_m * asami_math::elementary::cos(bearing_rad)).abs() < 1e-9);
+    // A longer lens shows a landmark nearer, but no nearer to the axis: only its depth changes.
+    let longer = effects(&[("focal_error", "ratio", 1.1), ("depth_for_range", "share", 1.0)]);
+    let longer = last(&drive(&config, &longer, turned, 6.0));
+    let aside_m = longer.size.value() * tan(longer.bearing_rad);
+    assert!((longer.size.value() - depth / 1.1).abs() < 1e-9 && (aside_m - depth * tan(bearing_rad)).abs() < 1e-9);
     assert!((with("range_scale", "ratio", 1.05).size.value() - 1.05 * range_m).abs() < 1e-9);
     assert!((with("range_offset", "offset_m", -0.1).size.value() - (range_m - 0.1)).abs() < 1e-9);
     assert!((with("pan_offset", "offset_rad", 0.1).bearing_rad - (bearing_rad + 0.1)).abs() < 1e-9);
