@@ -217,14 +217,15 @@ impl Columns {
         row[self.range(Group::Curve)].copy_from_slice(&scratch);
         let middle_s = 0.5 * (from_s + to_s);
         let (lingering, turning) = (self.range(Group::Lingering).start, self.range(Group::Turning));
-        let in_turn = scratch.last().copied().unwrap_or(0.0);
+        let in_turn = |curve: &[f64]| curve.last().copied().unwrap_or(0.0);
+        let in_turn_now = in_turn(&scratch);
         for (age, ages_s) in AGES_S.windows(2).enumerate() {
             let then = self.velocity(commands, middle_s - ages_s[1], middle_s - ages_s[0], &mut scratch);
             for ((column, then), now) in row[lingering + 3 * age..].iter_mut().zip(then).zip(velocity) {
                 *column = then - now;
             }
             if let Some(column) = row[turning.clone()].get_mut(age) {
-                *column = scratch.last().copied().unwrap_or(0.0) - in_turn;
+                *column = in_turn(&scratch) - in_turn_now;
             }
         }
         let heading = self.range(Group::Heading).start;

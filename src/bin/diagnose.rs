@@ -46,8 +46,8 @@ struct Arguments {
     #[arg(long, value_name = "N")]
     calibrate: Option<usize>,
     /// The log is of a real robot: how noisy it is where it is diagnosed, is learned from the other half of the log, in pieces
-    /// by turns; effects are named one beside another, the most evident first, for as long as they explain more. Of a car: its laser scanner
-    /// is held against the table of its own lasers, by its scans alone
+    /// by turns; effects are named one beside another, the most evident first, for as long as they explain more. Of a car: its laser
+    /// scanner is held against the table of its own lasers, by its scans alone
     #[arg(long)]
     real: bool,
     /// Where what was played is kept

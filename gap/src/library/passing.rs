@@ -5,6 +5,8 @@
 //! lingers is linear in velocities at their ages, so that one effect passes through another by putting these operators one after
 //! another: beside both changes there is their product. Gaits, which answer from stride to stride, are no such operators.
 
+use std::sync::LazyLock;
+
 use crate::columns::{Columns, Group};
 
 /// What velocities come from: each axis's nominal one, and the speed times the squared turning rate.
@@ -18,9 +20,10 @@ pub struct Passing<'a> {
     greatest: [f64; 3],
     /// The column that is the speed times the squared turning rate.
     in_turns: usize,
-    /// Shares of what is delayed by two ages one after another, by the age that both are together.
-    both: Vec<Vec<Vec<f64>>>,
 }
+
+/// Shares of what is delayed by two ages one after another, by the age that both are together.
+static BOTH: LazyLock<Vec<Vec<Vec<f64>>>> = LazyLock::new(|| both(Columns::ages_s()));
 
 impl<'a> Passing<'a> {
     /// Of motion with these columns and, nominally, these numbers; `None` where it is not of wheels.
@@ -31,7 +34,7 @@ impl<'a> Passing<'a> {
         let most = |axis: usize| {
             base[axis * columns.len()..][curve.clone()].iter().fold(0.0, |most, it| f64::max(most, it.abs()))
         };
-        Some(Self { columns, greatest: std::array::from_fn(most), in_turns, both: both(Columns::ages_s()) })
+        Some(Self { columns, greatest: std::array::from_fn(most), in_turns })
     }
 
     /// Adds to a response, which has an effect's `change` in it beside the `others`', what comes of one passing through the other.
@@ -50,8 +53,8 @@ impl<'a> Passing<'a> {
         }
     }
 
-    fn ages(&self) -> usize {
-        self.both.len()
+    fn ages() -> usize {
+        BOTH.len()
     }
 
     /// Axes that move.
@@ -64,7 +67,7 @@ impl<'a> Passing<'a> {
         for from in self.axes() {
             let sources = self.sources(curved, from).map(|it| it / self.greatest[from]);
             for axis in self.axes() {
-                for age in 0..self.ages() {
+                for age in 0..Self::ages() {
                     let share = lingering[self.at(axis, age, from)];
                     for (source, of) in sources.iter().enumerate() {
                         numbers[self.at(axis, age, source)] += share * of;
@@ -94,7 +97,7 @@ impl<'a> Passing<'a> {
 
     /// What `first` lets linger, as late as `then` is: older than either.
     fn later(&self, then: &[f64], first: &[f64], numbers: &mut [f64]) {
-        let ages = self.ages();
+        let ages = Self::ages();
         for from in self.axes() {
             for source in self.axes().chain([IN_TURN]) {
                 let lets: Vec<f64> =
@@ -104,7 +107,7 @@ impl<'a> Passing<'a> {
                         let share = then[self.at(axis, i, from)];
                         for (j, of) in lets.iter().enumerate() {
                             let product = share * of;
-                            for (m, both) in self.both[i][j].iter().enumerate() {
+                            for (m, both) in BOTH[i][j].iter().enumerate() {
                                 numbers[self.at(axis, m, source)] += product * both;
                             }
                             // Each says how a velocity differs from now, so that what is new there is so from its own age on.
@@ -240,7 +243,7 @@ mod tests {
         assert!((alone - 0.175).abs() < 0.01 && behind > 0.06, "{alone} {behind}");
         assert!((together - alone - behind).abs() < 0.02, "{together}, not {alone} and {behind}");
         assert!((speed(&columns, &numbers, 11.0, 11.01) - 0.1).abs() < 1e-12);
-        for pair in passing.both.iter().flatten() {
+        for pair in BOTH.iter().flatten() {
             assert!((pair.iter().sum::<f64>() - 1.0).abs() < 1e-12 && pair.iter().all(|it| *it > -1e-12), "{pair:?}");
         }
     }

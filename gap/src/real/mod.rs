@@ -1,7 +1,6 @@
 //! The diagnosis of a real robot's log: how noisy it is, then everything that parts it from the nominal world, the largest
 //! first.
 
-mod aside;
 pub mod astray;
 pub mod crossed;
 pub mod folds;

@@ -14,8 +14,8 @@ use asami_sim::effect::{Block, Place};
 use asami_sim::effects::Effects;
 use asami_sim::robots::car::CarConfig;
 
-use super::aside::Aside;
 use super::assembled;
+use super::folds::Folds;
 use super::layers::{Layer, Least, layers, planted, reconsidered};
 use crate::answer::diagnosis::Diagnosis;
 use crate::drive::driven::Driven;
@@ -81,10 +81,10 @@ pub fn diagnose(car: &CarConfig, effects: &Effects, variants: &[Variant], log: &
 
 /// Numbers of the steps under way that are set aside, and of those that are scored.
 fn parted(steps: &[Step]) -> (Vec<usize>, Vec<usize>) {
-    let aside = Aside::default();
+    let folds = Folds { count: 4, ..Folds::default() };
     let begins_s = steps.first().map_or(0.0, |step| step.t_s);
     let under_way = under_way(steps);
-    (0..steps.len()).filter(|i| under_way[*i]).partition(|i| aside.holds(steps[*i].t_s - begins_s))
+    (0..steps.len()).filter(|i| under_way[*i]).partition(|i| folds.of(steps[*i].t_s - begins_s) == 0)
 }
 
 /// Whether the car moves at each step, and has for a while.
