@@ -2,8 +2,8 @@
 
 use super::{Figure, Mark, Stroke};
 
-/// A named series of points with half the length of their bars.
-pub type Bars = (String, Vec<[f64; 3]>);
+/// A named series of points with both ends of their bars.
+pub type Bars = (String, Vec<[f64; 4]>);
 
 /// Room for a dot at the ends of an axis of shares.
 const DOT_SHARE: f64 = 0.02;
@@ -23,11 +23,12 @@ pub fn power(effect: &str, parameter: &str, (least, greatest): (f64, f64), serie
     let middle = (series.len().max(1) - 1) as f64 / 2.0;
     let figure = series.iter().enumerate().fold(figure, |figure, (i, (name, bars))| {
         let aside = (i as f64 - middle) * beside;
-        figure.error_bars(name, bars.iter().map(|[x, y, half]| [x + aside, *y, *half]).collect::<Vec<_>>())
+        figure
+            .error_bars(name, bars.iter().map(|[x, bar @ ..]| [x + aside, bar[0], bar[1], bar[2]]).collect::<Vec<_>>())
     });
     figure.caption(
         "Cases with this effect alone, in five bins of size: how often it, or what this log cannot tell from it, is the \
-         most probable cause, with half the width of the 95 % interval; those of several diagnosers stand side by side. Good: a \
+         most probable cause, with its 95 % interval; those of several diagnosers stand side by side. Good: a \
          steep rise within the first decade.",
     )
 }
@@ -43,8 +44,8 @@ pub fn reliability(series: &[Bars]) -> Figure {
         .line("as it should be", Stroke::Dashed, vec![[0.0, 0.0], [1.0, 1.0]]);
     let figure = series.iter().fold(figure, |figure, (name, bars)| figure.error_bars(name, bars.as_slice()));
     figure.caption(
-        "All cases in ten bins of probability, with half the width of the 95 % interval. Good: on the line; below it, \
-         answers are surer than they should be.",
+        "All cases in ten bins of probability, with 95 % intervals. Good: on the line; below it, answers are surer than they \
+         should be.",
     )
 }
 
@@ -88,7 +89,7 @@ mod tests {
     /// Two diagnosers that name the same cases.
     #[test]
     fn bars_of_the_same_size_do_not_hide_each_other() {
-        let bars = vec![[0.5, 1.0, 0.2]];
+        let bars = vec![[0.5, 1.0, 0.6, 1.0]];
         let series = [("a".to_owned(), bars.clone()), ("b".to_owned(), bars)];
         let figure = power("effect", "size", (0.0, 2.0), &series);
         let at: Vec<f64> = figure.series.iter().map(|series| series.told()[0][0]).collect();

@@ -163,9 +163,12 @@ pub fn figure_3_9(which: Learning, curves: &[Vec<[f64; 2]>], floor: Option<f64>)
 /// Speeds as surveyed over commands, beside the commands themselves.
 #[must_use]
 pub fn speed_over_command(measured: &[Speed]) -> Figure {
-    let mm = |it: &Speed| [1e3 * it.command_m_per_s, 1e3 * it.speed_m_per_s, 1e3 * it.sd_m_per_s];
-    let points: Vec<[f64; 3]> = measured.iter().map(mm).collect();
-    let commands = cover(points.iter().map(|[c, _, _]| *c)).unwrap_or((-300.0, 300.0));
+    let mm = |it: &Speed| {
+        let [speed, sd] = [it.speed_m_per_s, it.sd_m_per_s];
+        [it.command_m_per_s, speed, speed - sd, speed + sd].map(|m_per_s| 1e3 * m_per_s)
+    };
+    let points: Vec<[f64; 4]> = measured.iter().map(mm).collect();
+    let commands = cover(points.iter().map(|[c, ..]| *c)).unwrap_or((-300.0, 300.0));
     Figure::new("Speed", "Speed over command")
         .x("commanded speed", "mm/s")
         .y("speed", "mm/s")

@@ -30,8 +30,8 @@ pub enum Shape {
     Points(Mark, Vec<[f64; 2]>),
     /// A line through the points; broken where a coordinate is not finite.
     Line(Stroke, Vec<[f64; 2]>),
-    /// A mark with a vertical bar: x, y and half the bar's length.
-    ErrorBars(Vec<[f64; 3]>),
+    /// A mark with a vertical bar: x, y, the bar's lower and its upper end.
+    ErrorBars(Vec<[f64; 4]>),
     /// The area between two curves: x, lower and upper.
     Band(Vec<[f64; 3]>),
     /// A horizontal line across the figure.
@@ -57,7 +57,7 @@ impl Series {
         match &self.shape {
             Shape::Points(_, points) | Shape::Line(_, points) => points.clone(),
             Shape::ErrorBars(bars) => {
-                bars.iter().flat_map(|[x, y, half]| [[*x, y - half], [*x, y + half], [*x, *y]]).collect()
+                bars.iter().flat_map(|[x, y, low, high]| [[*x, *low], [*x, *high], [*x, *y]]).collect()
             }
             Shape::Band(band) => band.iter().flat_map(|[x, low, high]| [[*x, *low], [*x, *high]]).collect(),
             Shape::Level(y) => vec![[f64::NAN, *y]],
@@ -75,7 +75,7 @@ impl Series {
     pub(crate) fn told(&self) -> Vec<[f64; 2]> {
         match &self.shape {
             Shape::Points(_, points) | Shape::Line(_, points) => points.clone(),
-            Shape::ErrorBars(bars) => bars.iter().map(|[x, y, _]| [*x, *y]).collect(),
+            Shape::ErrorBars(bars) => bars.iter().map(|[x, y, ..]| [*x, *y]).collect(),
             Shape::Band(_) | Shape::Level(_) | Shape::Bars(_) => Vec::new(),
         }
     }
@@ -184,9 +184,9 @@ impl Figure {
         self.line(name, stroke, (0..=N).map(|i| [at(i), f(at(i))]).collect::<Vec<_>>())
     }
 
-    /// Adds points with vertical bars: x, y and half the bar's length.
+    /// Adds points with vertical bars: x, y, a bar's lower and its upper end.
     #[must_use]
-    pub fn error_bars(self, name: &str, bars: impl Into<Vec<[f64; 3]>>) -> Self {
+    pub fn error_bars(self, name: &str, bars: impl Into<Vec<[f64; 4]>>) -> Self {
         self.series(name, Shape::ErrorBars(bars.into()))
     }
 

@@ -161,13 +161,13 @@ fn series_into(series: &Series, layout: &Layout, out: &mut String) {
         Shape::Line(stroke, points) => line(*stroke, points.iter().map(|point| at(*point)), series.colour, out),
         Shape::ErrorBars(bars) => {
             let mut path = String::new();
-            for [x, y, half] in bars {
-                if let (Some((x, low)), Some((_, high))) = (at([*x, y - half]), at([*x, y + half])) {
+            for [x, _, low, high] in bars {
+                if let (Some((x, low)), Some((_, high))) = (at([*x, *low]), at([*x, *high])) {
                     let _ = write!(path, "M{} {}h6m-3 0V{}m-3 0h6", px(x - 3.0), px(low), px(high));
                 }
             }
             stroked(&path, series.colour, "stroke-width=\"1.2\"", out);
-            marks(Mark::Dot, bars.iter().filter_map(|[x, y, _]| at([*x, *y])), series.colour, out);
+            marks(Mark::Dot, bars.iter().filter_map(|[x, y, ..]| at([*x, *y])), series.colour, out);
         }
         Shape::Band(band) => {
             let lower = band.iter().filter_map(|[x, low, _]| at([*x, *low]));
@@ -343,6 +343,8 @@ mod tests {
         let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0, 1e308, -1e308, 5e-324, 1.0];
         let pairs: Vec<[f64; 2]> = odd.iter().flat_map(|x| odd.iter().map(move |y| [*x, *y])).collect();
         let triples: Vec<[f64; 3]> = pairs.iter().flat_map(|[x, y]| odd.iter().map(move |z| [*x, *y, *z])).collect();
+        let bars: Vec<[f64; 4]> =
+            triples.iter().flat_map(|[x, y, z]| odd.iter().map(move |high| [*x, *y, *z, *high])).collect();
         let figures = [
             Figure::new("empty", ""),
             Figure::new("none", "")
@@ -351,7 +353,7 @@ mod tests {
                 .band("b", [])
                 .error_bars("e", []),
             Figure::new("odd", "<&\"\u{1}").points("p", Mark::Cross, pairs.clone()).line("<", Stroke::Dashed, pairs),
-            Figure::new("odd", "").error_bars("e", triples.clone()).band("b", triples).level("l", f64::NAN),
+            Figure::new("odd", "").error_bars("e", bars).band("b", triples).level("l", f64::NAN),
             Figure::new("range", "").y_range(f64::NAN, 1.0).x_range(3.0, 3.0).points("p", Mark::Dot, [[1.0, 1.0]]),
             Figure::new("bars", "").rows([("a", vec![[0.0, f64::NAN], [1.0, 2.0]]), ("b", vec![])]),
         ];

@@ -100,10 +100,10 @@ fn answer(results: &Results, verdicts: &[Verdict]) -> String {
     )
 }
 
-/// A share as a point with half its interval.
-fn bar(x: f64, share: Share) -> [f64; 3] {
-    let half = share.interval().map_or(0.0, |[low, high]| 0.5 * (high - low));
-    [x, share.value().unwrap_or(f64::NAN), half]
+/// A share as a point with its interval.
+fn bar(x: f64, share: Share) -> [f64; 4] {
+    let [low, high] = share.interval().unwrap_or([f64::NAN; 2]);
+    [x, share.value().unwrap_or(f64::NAN), low, high]
 }
 
 fn figures(results: &Results) -> Vec<Figure> {

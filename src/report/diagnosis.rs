@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::{Cause, Cell as Place, Verdict};
+use asami_math::statistics::wilson_interval;
 use asami_sim::effects::catalogue;
 
 use super::{Cell, Plate, Report, RowKind, Section, Table};
@@ -286,10 +287,12 @@ fn reliability(diagnosis: &Diagnosis, beside: &Beside) -> Option<Section> {
         return Some(section);
     }
     let points: Vec<[f64; 2]> = beside.reliability.iter().map(|[claimed, found, _]| [*claimed, *found]).collect();
-    let half = |[claimed, found, cases]: &[f64; 3]| {
-        [*claimed, *found, 1.96 * (found * (1.0 - found) / cases.max(1.0)).max(0.0).sqrt()]
+    let bar = |[claimed, found, cases]: &[f64; 3]| {
+        let right = (found * cases).round() as u32;
+        let [low, high] = wilson_interval(right, *cases as u32, 0.95).unwrap_or([f64::NAN; 2]);
+        [*claimed, *found, low, high]
     };
-    let bars: Vec<[f64; 3]> = beside.reliability.iter().map(half).collect();
+    let bars: Vec<[f64; 4]> = beside.reliability.iter().map(bar).collect();
     let figure = Figure::new("Reliability", "How often a probability was right")
         .x("probability given", "")
         .y("share of cases in which it was true", "")
