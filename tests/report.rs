@@ -17,11 +17,15 @@ fn report() -> Report {
         .line("wave", Stroke::Solid, (0..60).map(wave).collect::<Vec<_>>())
         .level("greatest", 40.0)
         .caption("Samples lie on the wave.");
+    let measured = |i: u32| {
+        let error_mm = 60.0 + f64::from(i * 7 % 11);
+        [f64::from(i), error_mm, error_mm - 12.0, error_mm + 12.0]
+    };
     let bars = Figure::new("Figure 2", "Errors over seeds")
         .x("seed", "")
         .y("error", "mm")
         .y_from_zero()
-        .error_bars("measured", (0..15).map(|i| [f64::from(i), 60.0 + f64::from(i * 7 % 11), 12.0]).collect::<Vec<_>>())
+        .error_bars("measured", (0..15).map(measured).collect::<Vec<_>>())
         .band("expected", [[0.0, 50.0, 80.0], [14.0, 50.0, 80.0]])
         .caption("Bars that miss the band ask for a look at their seed.");
     let leg = |bend: f64, far| Part { corners_m: vec![[0.0, 0.14], [bend, 0.07], [0.0, 0.0]], solid: false, far };

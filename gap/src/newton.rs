@@ -25,7 +25,13 @@ impl Curvature {
                 curvature[j][i] = curvature[i][j];
             }
         }
-        Some(Self { l: cholesky(&curvature)? })
+        Self::of(&curvature)
+    }
+
+    /// Minus a matrix of second derivatives; `None` where it is not that of a top.
+    #[must_use]
+    pub fn of(matrix: &[Vec<f64>]) -> Option<Self> {
+        Some(Self { l: cholesky(matrix)? })
     }
 
     /// The step of Newton's method where the log-likelihood has this slope.

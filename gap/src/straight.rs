@@ -17,6 +17,8 @@ pub(crate) struct Straight {
     kinds: Vec<Variant>,
     by: Vec<Vec<f64>>,
     pub measured: Vec<f64>,
+    /// One a second.
+    moments: Vec<Moment>,
 }
 
 impl Straight {
@@ -27,7 +29,8 @@ impl Straight {
             (0..MEASURED).map(|t| wave(t) / kind.sizes().1).collect::<Vec<f64>>()
         };
         let by = kinds.iter().zip(waves).map(of).collect();
-        let mut log = Self { kinds, by, measured: vec![0.0; MEASURED] };
+        let moments = (0..MEASURED).map(|t| Moment { t_s: t as f64, seen: 1 }).collect();
+        let mut log = Self { kinds, by, measured: vec![0.0; MEASURED], moments };
         let sizes = log.numbers(planted);
         let mut rng = seed.stream("noise");
         log.measured = (0..MEASURED).map(|t| log.made(&sizes, t) + rng.sample::<f64, _>(StandardNormal)).collect();
@@ -66,7 +69,7 @@ impl Judge for Straight {
     }
 
     fn steps(&self) -> &[Moment] {
-        &[]
+        &self.moments
     }
 
     fn length_s(&self) -> f64 {

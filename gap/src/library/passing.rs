@@ -39,9 +39,14 @@ impl<'a> Passing<'a> {
 
     /// Adds to a response, which has an effect's `change` in it beside the `others`', what comes of one passing through the other.
     pub fn add(&self, others: &[f64], change: &[f64], numbers: &mut [f64]) {
-        self.late(others, change, numbers);
-        self.late(change, others, numbers);
-        self.later(others, change, numbers);
+        let mut at_once = vec![0.0; change.len()];
+        self.at_once(others, change, &mut at_once);
+        self.at_once(change, others, &mut at_once);
+        let whole: Vec<f64> = change.iter().zip(&at_once).map(|(a, b)| a + b).collect();
+        numbers.iter_mut().zip(at_once).for_each(|(number, more)| *number += more);
+        self.late(others, &whole, numbers);
+        self.late(&whole, others, numbers);
+        self.later(others, &whole, numbers);
     }
 
     /// The number that says how much of a source's velocity at an age an axis has.
@@ -62,6 +67,29 @@ impl<'a> Passing<'a> {
         (0..3).filter(|axis| self.greatest[*axis] > 0.0)
     }
 
+    /// What `then` makes at once of what `first` changes of velocities. Of two effects that scale, whose order does not matter, this
+    /// is half of what comes of both; what is lost in a turn is lost of what was told, and only before.
+    fn at_once(&self, then: &[f64], first: &[f64], numbers: &mut [f64]) {
+        let nominal = self.columns.nominal();
+        for from in self.axes() {
+            let sources = self.sources(first, from);
+            for axis in self.axes() {
+                let share = self.sources(then, axis)[from] / self.greatest[from];
+                let of_axis = axis * self.columns.len() + self.columns.range(Group::Curve).start;
+                for (i, scaled) in nominal.iter().enumerate() {
+                    let of = self.axes().fold(0.0, |sum, source| sum + sources[source] * scaled[source]);
+                    numbers[of_axis + i] += 0.5 * share * of;
+                }
+                numbers[of_axis + self.last()] += share * sources[IN_TURN];
+            }
+        }
+    }
+
+    /// Of the columns of a curve that which is the speed times the squared turning rate.
+    fn last(&self) -> usize {
+        self.in_turns - self.columns.range(Group::Curve).start
+    }
+
     /// What `curved` changes of velocities, as late as `lingering` is.
     fn late(&self, lingering: &[f64], curved: &[f64], numbers: &mut [f64]) {
         for from in self.axes() {
@@ -80,8 +108,7 @@ impl<'a> Passing<'a> {
     /// What an axis's curve changes by, as so much of each source: the least squares over the curve's columns.
     fn sources(&self, change: &[f64], axis: usize) -> [f64; SOURCES] {
         let curve = &change[axis * self.columns.len()..][self.columns.range(Group::Curve)];
-        let last = self.in_turns - self.columns.range(Group::Curve).start;
-        let nominal = self.columns.nominal();
+        let (last, nominal) = (self.last(), self.columns.nominal());
         let mut sources = [0.0; SOURCES];
         // Axes have columns of their own, but for what a wheel makes of both.
         for source in self.axes() {
@@ -221,6 +248,38 @@ mod tests {
             off = off.max((speed(&columns, &both, from_s, to_s) - expected).abs());
         }
         assert!(off > 0.03, "added up they are off by {off} m/s");
+    }
+
+    /// Motors that are told more lose more in a turn, as much later as they are late; in whichever order the three are added.
+    #[test]
+    fn what_is_lost_in_turns_is_of_what_motors_are_told() {
+        let (columns, base) = prompt();
+        let passing = Passing::new(&columns, &base).unwrap();
+        let of_forward = columns.len()..2 * columns.len();
+        let mut loss = vec![0.0; base.len()];
+        loss[of_forward.start + passing.in_turns] = -0.08;
+        let scaled: Vec<f64> = base.iter().map(|number| 0.25 * number).collect();
+        let slow = plus(&base, &loss);
+        let truth: Vec<f64> = slow.iter().map(|number| 1.25 * number).collect();
+        let delay = late(&passing, &[(4, 1.0)]);
+        for order in [[&scaled, &loss, &delay], [&loss, &delay, &scaled], [&delay, &loss, &scaled]] {
+            let mut others = vec![0.0; base.len()];
+            for (k, change) in order.into_iter().enumerate() {
+                let mut numbers = plus(&plus(&base, &others), change);
+                if k > 0 {
+                    passing.add(&others, change, &mut numbers);
+                }
+                others = numbers.iter().zip(&base).map(|(a, b)| a - b).collect();
+            }
+            let found = plus(&base, &others);
+            for step in 200..2300 {
+                let from_s = DT_S * f64::from(step);
+                let (middle_s, to_s) = (from_s + 0.5 * DT_S, from_s + DT_S);
+                let expected = speed(&columns, &truth, middle_s - 0.3, middle_s - 0.2);
+                let found = speed(&columns, &found, from_s, to_s);
+                assert!((found - expected).abs() < 1e-9, "{from_s}: {found} {expected}");
+            }
+        }
     }
 
     /// A delay behind a lag is as late as both are one after the other, and what is steady stays what it is.

@@ -8,7 +8,8 @@ use asami_math::elementary::{exp, ln};
 use asami_sim::effect::{Block, Place};
 
 use super::starts::starts;
-use crate::judge::{Judge, Moment};
+use super::unsure::{blocks, intervals};
+use crate::judge::Judge;
 use crate::newton::{Curvature, climb};
 use crate::plant::{Planted, Variant};
 use crate::weigh::evidence::{CLOSE, Weighed, weigh};
@@ -29,14 +30,12 @@ const DIFFERENCE: f64 = 0.02;
 const LONGEST: f64 = 1.0;
 /// Precision of a prior that leaves a size which changes nothing where it is.
 const NEXT_TO_NOTHING: f64 = 1e-3;
-/// What a real robot and its sensor err by hangs together for seconds, whatever the filter makes of it: what is said of an
-/// effect is weighed by blocks of this length.
-const BLOCK_S: f64 = 20.0;
-/// Half of a Gaussian's middle 90 %, in standard deviations.
-const NINETY: f64 = 1.645;
 
 /// Effects are thought of again at most so often.
 const PASSES: usize = 2;
+/// And what is beside one is looked for from elsewhere so often, if that gains more than so many nats.
+const ANEW: usize = 2;
+const GAINS_LITTLE_NATS: f64 = 0.5;
 
 /// An effect, and what it was held against.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,7 +88,7 @@ pub fn layers(judge: &dyn Judge, variants: &[Variant], least: Least) -> Vec<Laye
         let likely = judge.log_likelihood(&with);
         let mut tried = next(judge, &least.beside(variants, &with), &with, likely).into_iter();
         let Some((best, settled)) = tried.next() else { break };
-        if best.evidence_nats < least.gain(judge, &settled.planted(), settled.likely) {
+        if best.evidence_nats < least.gain(judge, &settled.effects, settled.likely) {
             break;
         }
         let pays_nats = best.gain_nats - best.evidence_nats;
@@ -107,36 +106,77 @@ pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Lay
         let mut changed = false;
         for at in (0..layers.len()).rev() {
             let before = layers.remove(at);
-            let as_it_was = [planted(&layers), vec![before.weighed.best.clone()]].concat();
-            let rest = settle(judge, planted(&layers));
-            take(&mut layers, rest.effects);
-            let with = planted(&layers);
-            let mut tried = next(judge, &least.beside(variants, &with), &with, rest.likely);
-            stays(&mut tried, &before, settle(judge, as_it_was), rest.likely);
-            let mut tried = tried.into_iter();
-            let found = tried.next().filter(|(best, settled)| {
-                by_blocks(best, settled, best) >= least.nats
-                    && best.gain_nats >= least.gain(judge, &settled.planted(), settled.likely)
-            });
-            let Some((best, settled)) = found else {
+            let (rest, found) = in_its_place(judge, variants, &planted(&layers), &before, least);
+            take(&mut layers, rest);
+            let Some((layer, together)) = found else {
                 changed = true;
                 continue;
             };
-            changed |= best.effect != before.weighed.effect;
-            let rivals = tried.map(|(rival, _)| (rival.effect, by_blocks(&best, &settled, &rival))).collect();
-            let (evidence_nats, pays_nats) = (by_blocks(&best, &settled, &best), best.gain_nats - best.evidence_nats);
-            layers.push(Layer { weighed: Weighed { evidence_nats, ..best }, pays_nats, rivals });
-            take(&mut layers, settled.effects);
-            if let Some(last) = layers.pop() {
-                layers.insert(at, last);
-            }
+            changed |= layer.weighed.effect != before.weighed.effect;
+            layers.push(layer);
+            take(&mut layers, together);
+            layers[at..].rotate_right(1);
         }
         if !changed {
             break;
         }
     }
     layers.sort_by(|a, b| b.weighed.evidence_nats.total_cmp(&a.weighed.evidence_nats));
+    let unsure = intervals(judge, &planted(&layers));
+    layers.iter_mut().zip(unsure).for_each(|(layer, interval)| layer.weighed.interval = interval);
     layers
+}
+
+/// The sizes of `others` without an effect that was there `before`, and what stands in its place with the sizes of all; `None` where
+/// nothing is worth a name.
+fn in_its_place(
+    judge: &dyn Judge,
+    variants: &[Variant],
+    others: &[Planted],
+    before: &Layer,
+    least: Least,
+) -> (Vec<Planted>, Option<(Layer, Vec<Planted>)>) {
+    let as_it_was = settle(judge, [others, std::slice::from_ref(&before.weighed.best)].concat());
+    let mut rest = settle(judge, others.to_vec());
+    let mut tried = beside(judge, variants, &rest, before, &as_it_was, least);
+    // What the rest gains by being looked for from elsewhere is nobody's.
+    for _ in 0..ANEW {
+        let from = tried.first().and_then(|(_, settled)| settled.effects.split_last());
+        let Some(elsewhere) = from.map(|(_, others)| settle(judge, others.to_vec())) else { break };
+        if elsewhere.likely < rest.likely + GAINS_LITTLE_NATS {
+            break;
+        }
+        rest = elsewhere;
+        tried = beside(judge, variants, &rest, before, &as_it_was, least);
+    }
+    // What gains more, but in too few blocks, is no rival of what shows throughout the log.
+    let mut tried = tried.into_iter().skip_while(|(it, settled)| by_blocks(it, settled) < least.nats);
+    let best = tried.next();
+    let found = best.filter(|(it, settled)| it.gain_nats >= least.gain(judge, &settled.effects, settled.likely));
+    let layer = found.map(|(best, settled)| {
+        let (evidence_nats, pays_nats) = (by_blocks(&best, &settled), best.gain_nats - best.evidence_nats);
+        // What parts two of them counts as little as what parts the better one from none.
+        let less = |rival: &Weighed| settled.counts * (best.evidence_nats - rival.evidence_nats);
+        let rivals = tried.map(|(rival, _)| (rival.effect, evidence_nats - less(&rival))).collect();
+        (Layer { weighed: Weighed { evidence_nats, ..best }, pays_nats, rivals }, settled.effects)
+    });
+    (rest.effects, layer)
+}
+
+/// What may stand in the place of an effect that was there already, `as_it_was` with all sizes found together; the most evident
+/// is the first.
+fn beside(
+    judge: &dyn Judge,
+    variants: &[Variant],
+    rest: &Settled,
+    before: &Layer,
+    as_it_was: &Settled,
+    least: Least,
+) -> Vec<(Weighed, Settled)> {
+    let mut tried = next(judge, &least.beside(variants, &rest.effects), &rest.effects, rest.likely);
+    stays(&mut tried, before, as_it_was.clone(), rest.likely);
+    tried.sort_by(|a, b| b.0.evidence_nats.total_cmp(&a.0.evidence_nats));
+    tried
 }
 
 /// Has an effect that was there already, as `settled` with all sizes found together, be no worse for being thought of again.
@@ -149,20 +189,16 @@ fn stays(tried: &mut Vec<(Weighed, Settled)>, before: &Layer, settled: Settled, 
         let evidence_nats = gain_nats - before.pays_nats;
         tried.push((Weighed { gain_nats, evidence_nats, ..before.weighed.clone() }, settled));
     }
-    tried.sort_by(|a, b| b.0.evidence_nats.total_cmp(&a.0.evidence_nats));
 }
 
-/// The evidence of `of` in the place of `best`, where a nat counts what it does of `best`.
-fn by_blocks(best: &Weighed, settled: &Settled, of: &Weighed) -> f64 {
-    let pays_nats = best.gain_nats - best.evidence_nats;
-    settled.counts * best.gain_nats - pays_nats - settled.counts * (best.evidence_nats - of.evidence_nats)
+/// The evidence of an effect, where of what it gains so much counts as blocks leave it.
+fn by_blocks(it: &Weighed, settled: &Settled) -> f64 {
+    settled.counts * it.gain_nats - (it.gain_nats - it.evidence_nats)
 }
 
-/// Sizes and intervals as they were found together.
-fn take(layers: &mut [Layer], found: Vec<(Planted, [f64; 2])>) {
-    for (layer, (best, interval)) in layers.iter_mut().zip(found) {
-        (layer.weighed.best, layer.weighed.interval) = (best, interval);
-    }
+/// Sizes as they were found together.
+fn take(layers: &mut [Layer], found: Vec<Planted>) {
+    layers.iter_mut().zip(found).for_each(|(layer, best)| layer.weighed.best = best);
 }
 
 /// The effects at their most likely sizes.
@@ -172,20 +208,15 @@ pub fn planted(layers: &[Layer]) -> Vec<Planted> {
 }
 
 /// Effects with their sizes found together.
+#[derive(Clone)]
 struct Settled {
-    /// At their most likely sizes, with 90 % intervals.
-    effects: Vec<(Planted, [f64; 2])>,
+    /// At their most likely sizes.
+    effects: Vec<Planted>,
     /// The log-likelihood there.
     likely: f64,
     /// What counts of a nat that the last of them gains: its variance as steps have it over that as blocks do (Pauli, Racugno
     /// and Ventura 2011).
     counts: f64,
-}
-
-impl Settled {
-    fn planted(&self) -> Vec<Planted> {
-        self.effects.iter().map(|(planted, _)| planted.clone()).collect()
-    }
 }
 
 /// What may be put beside what is in the world, the most evident first, each with the sizes of all found together.
@@ -221,25 +252,13 @@ fn next(judge: &dyn Judge, others: &[Variant], with: &[Planted], likely: f64) ->
     tried
 }
 
-/// The block in which each step is.
-fn blocks(judge: &dyn Judge) -> Vec<usize> {
-    let number = |step: &Moment| (step.t_s / BLOCK_S).floor();
-    let numbered = judge.steps().iter().scan((0, None), |(block, before), step| {
-        let now = number(step);
-        *block += usize::from(before.is_some_and(|before| before != now));
-        *before = Some(now);
-        Some(*block)
-    });
-    numbered.collect()
-}
-
 /// Finds all sizes together, by Newton's method on their logarithms.
 fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
     let block = blocks(judge);
     let terms = |all: &[Planted]| judge.terms(&judge.numbers(all));
     let total = |terms: &[f64]| terms.iter().fold(0.0, |sum, it| sum + it);
     let mut here = terms(&all);
-    let (mut variances, mut counts) = (vec![f64::NAN; all.len()], 1.0);
+    let mut counts = 1.0;
     for _ in 0..STEPS {
         let scores: Vec<Vec<f64>> = (0..all.len())
             .map(|i| {
@@ -253,12 +272,9 @@ fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
             .collect();
         let Some(curvature) = Curvature::new(&scores, NEXT_TO_NOTHING) else { break };
         let step = curvature.step(&scores.iter().map(|score| total(score)).collect::<Vec<f64>>());
-        (variances, counts) = (curvature.variances_by_block(&scores, &block), 1.0);
-        for (by_block, by_step) in variances.iter_mut().zip(curvature.variances()) {
-            // Blocks are few: that errors in one made up for one another is not believed.
-            *by_block = by_block.max(by_step);
-            counts = by_step / *by_block;
-        }
+        let last = curvature.variances_by_block(&scores, &block).pop().zip(curvature.variances().pop());
+        // Blocks are few: that errors in one made up for one another is not believed.
+        counts = last.map_or(1.0, |(by_block, by_step)| by_step / by_block.max(by_step));
         let before = total(&here);
         let better = climb(before, &[2.0], |share| {
             let mut there = all.clone();
@@ -276,12 +292,36 @@ fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
             break;
         }
     }
-    let with_interval = |(planted, variance): (Planted, f64)| {
-        let (least, greatest) = planted.variant.sizes();
-        let within = if variance.is_finite() { NINETY * variance.sqrt() } else { f64::INFINITY };
-        let ends = [-within, within].map(|it| (planted.size * exp(it)).clamp(least, greatest));
-        (planted, ends)
-    };
-    let effects = all.into_iter().zip(variances).map(with_interval).collect();
-    Settled { effects, likely: total(&here), counts }
+    Settled { effects: all, likely: total(&here), counts }
+}
+
+#[cfg(test)]
+mod tests {
+    use asami_dataset::Seed;
+
+    use super::*;
+    use crate::straight::Straight;
+
+    const LEAST: Least = Least { nats: 5.0, share: 0.0, late_once: true };
+
+    /// What gains more than another effect, but all of it in two blocks of twenty, neither takes its place nor has it dropped.
+    #[test]
+    fn what_shows_throughout_a_log_stays_beside_what_shows_twice() {
+        let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
+        let of = |k: usize, share: f64| Planted { variant: kinds[k].clone(), size: share * kinds[k].sizes().1 };
+        let throughout = |t: usize| 0.9 * (0.37 * t as f64).sin();
+        let twice = |t: usize| if t / 20 % 10 == 3 { 4.0 * (0.37 * t as f64).cos() } else { 0.0 };
+        let mut log = Straight::new(&[of(0, 0.5), of(1, 0.02)], &[&throughout, &twice], Seed(5));
+        // Once for it, and once against.
+        (0..20).for_each(|t| log.measured[60 + t] += 0.9 * twice(60 + t));
+        (0..20).for_each(|t| log.measured[260 + t] -= 0.2 * twice(260 + t));
+        let found = layers(&log, &kinds, LEAST);
+        let first = found.first().map(|it| it.weighed.effect);
+        assert_eq!((first, found.len()), (Some("wheel_base"), 2), "by nats alone");
+        let found = reconsidered(&log, &kinds, found, LEAST);
+        let names: Vec<&str> = found.iter().map(|it| it.weighed.effect).collect();
+        assert_eq!(names, ["command_scale"]);
+        let [low, high] = found[0].weighed.interval;
+        assert!(low < of(0, 0.5).size && of(0, 0.5).size < high, "{low} to {high}");
+    }
 }

@@ -16,7 +16,7 @@ use crate::judge::Judge;
 use crate::library::Library;
 use crate::memory::{Lasting, Memory, Sway};
 use crate::plant::Planted;
-use crate::shape::{Numbers, SPEEDS};
+use crate::shape::{Numbers, SPEEDS, Shape};
 use crate::sighted::Sighted;
 use crate::tails::Tails;
 use crate::view::CannotSee;
@@ -54,6 +54,8 @@ const ALONE_AMONG_SEVERAL: [(Numbers, f64); 1] = [(Numbers::MotionNoise, 0.6)];
 /// says next to nothing of a noise, the likeliest is often none at all.
 const UNSURE: f64 = 2.0;
 /// Axes of motion.
+const AXES: usize = 3;
+const SIDEWAYS: usize = 0;
 const FORWARD: usize = 1;
 const TURN: usize = 2;
 /// What is kept of it.
@@ -78,9 +80,11 @@ fn scattered(judge: &Sighted<'_>, mut numbers: Vec<f64>, each: bool) -> Vec<f64>
     let moves = |direction: &Direction| several && direction[of_motion.clone()].iter().any(|it| *it != 0.0);
     let (first, then): (Vec<Direction>, Vec<Direction>) =
         judge.directions(&numbers, "noise").into_iter().partition(moves);
-    let directions: Vec<Direction> = first.into_iter().chain(then).chain(alone).collect();
+    let mut directions: Vec<Direction> = first.into_iter().chain(then).chain(alone).collect();
+    let kept: Vec<usize> = kept(shape).collect();
+    directions.iter_mut().for_each(|direction| kept.iter().for_each(|i| direction[*i] = 0.0));
     let mut here = likely(judge, &numbers);
-    for direction in directions {
+    for direction in directions.into_iter().filter(|direction| direction.iter().any(|it| *it != 0.0)) {
         let at =
             |by: f64| numbers.iter().zip(&direction).map(|(number, change)| number + by * change).collect::<Vec<_>>();
         let moved: Vec<usize> = (0..direction.len()).filter(|i| direction[*i] != 0.0).collect();
@@ -96,6 +100,13 @@ fn scattered(judge: &Sighted<'_>, mut numbers: Vec<f64>, each: bool) -> Vec<f64>
         }
     }
     numbers
+}
+
+/// Numbers of noise that stay the nominal world's: a base on wheels does not slide sideways. Were it let, what a camera looks past
+/// would pass for that.
+fn kept(shape: &Shape) -> impl Iterator<Item = usize> {
+    let on_wheels = shape.columns.in_turns().is_some();
+    shape.range(Numbers::MotionNoise).skip(SIDEWAYS).step_by(AXES).filter(move |_| on_wheels)
 }
 
 fn likely(judge: &dyn Judge, numbers: &[f64]) -> f64 {
@@ -179,7 +190,7 @@ fn ratios(nominal: &Library, noisy: &Library) -> Noise {
     // Variances, slow and fast together: of either alone a log may hold next to nothing.
     let motion = shape.range(Numbers::MotionNoise).start;
     let variance = |of: &Library, axis: usize| -> f64 {
-        (1..SPEEDS).map(|class| exp(of.base.numbers[motion + 3 * class + axis])).sum()
+        (1..SPEEDS).map(|class| exp(of.base.numbers[motion + AXES * class + axis])).sum()
     };
     let Lasting { share: lasting_share, fades_s } = noisy.base.memory.fading();
     let of_axes = [FORWARD, TURN].map(|axis| variance(noisy, axis) / variance(nominal, axis));
@@ -218,6 +229,7 @@ impl Library {
                 START.into_iter().for_each(|(group, more)| {
                     self.base.shape.range(group).for_each(|i| numbers[i] += more);
                 });
+                kept(&self.base.shape).for_each(|i| numbers[i] = self.base.numbers[i]);
                 judge.memory.lasting = if several(&judge) { AT_FIRST } else { Lasting::default() };
             }
         }
@@ -278,5 +290,33 @@ impl Library {
             numbers[of].iter_mut().for_each(|it| *it = it.max(LEAST_LN_SD));
         }
         numbers
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asami_dataset::{Action, Command};
+
+    use super::*;
+    use crate::columns::Columns;
+
+    fn of(action: Action) -> Shape {
+        let columns = Columns::new([Command { t_s: 0.0, action }].iter(), 2);
+        let (near_far_m, sizes) = ([0.3, 5.0], [0.3, 5.0]);
+        Shape { columns, landmarks: 2, ranges: true, near_far_m, off_rad: 0.5, sizes, reported: 0.5 }
+    }
+
+    #[test]
+    fn wheels_roll_and_feet_slip() {
+        let wheels = of(Action::Wheels { id: None, v_m_per_s: 0.2, omega_rad_per_s: 0.5 });
+        let noise = wheels.range(Numbers::MotionNoise);
+        let kept: Vec<usize> = kept(&wheels).collect();
+        assert_eq!(kept.len(), noise.len() / AXES);
+        assert!(
+            kept.iter().all(|i| noise.contains(i) && (i - noise.start) % AXES == SIDEWAYS),
+            "{kept:?} of {noise:?}"
+        );
+        let legs = of(Action::Legs { id: None, ax_m_per_s: 0.1, ay_m_per_s: 0.3, atheta_rad_per_s: 0.5 });
+        assert_eq!(super::kept(&legs).count(), 0);
     }
 }
