@@ -37,9 +37,8 @@ const ROUNDS: usize = 4;
 /// In so many of the first ones it is looked for where the robot does not do what it is told.
 const LOOKING: usize = 2;
 /// Ten to one are against each further effect, and nine to one have to be for it: 4.5 nats. What adds less than this share may as
-/// well be what the nominal world's own shape, or the library, is off: by some 10 nats in planted logs with seven effects, while of a
-/// hundredth 136 nats for an eighth were too few.
-const LEAST: Least = Least { nats: 5.0, share: 0.0005, late_once: true };
+/// well be what the nominal world's own shape, or the library, is off.
+const LEAST: Least = Least { nats: 5.0, share: 0.01, late_once: true };
 /// Where nothing in the list explains anything, there is a gap all the same if a flexible block has so much evidence.
 const UNEXPLAINED_NATS: f64 = 10.0;
 /// Where more of the gap than this remains with every effect in, something is unknown.
