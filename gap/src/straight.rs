@@ -47,7 +47,8 @@ impl Straight {
         &self.by[self.kinds.iter().position(|it| it == kind).unwrap()]
     }
 
-    fn made(&self, sizes: &[f64], t: usize) -> f64 {
+    /// What sizes make of a measurement, but for the noise.
+    pub fn made(&self, sizes: &[f64], t: usize) -> f64 {
         sizes.iter().zip(&self.by).fold(0.0, |sum, (size, by)| sum + size * by[t])
     }
 }

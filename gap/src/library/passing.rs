@@ -76,7 +76,7 @@ impl<'a> Passing<'a> {
             for axis in self.axes() {
                 let share = self.sources(then, axis)[from] / self.greatest[from];
                 let of_axis = axis * self.columns.len() + self.columns.range(Group::Curve).start;
-                for (i, scaled) in nominal.iter().enumerate() {
+                for (i, scaled) in nominal[..self.last()].iter().enumerate() {
                     let of = self.axes().fold(0.0, |sum, source| sum + sources[source] * scaled[source]);
                     numbers[of_axis + i] += 0.5 * share * of;
                 }

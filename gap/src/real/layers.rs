@@ -33,9 +33,6 @@ const NEXT_TO_NOTHING: f64 = 1e-3;
 
 /// Effects are thought of again at most so often.
 const PASSES: usize = 2;
-/// And what is beside one is looked for from elsewhere so often, if that gains more than so many nats.
-const ANEW: usize = 2;
-const GAINS_LITTLE_NATS: f64 = 0.5;
 
 /// An effect, and what it was held against.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,18 +134,9 @@ fn in_its_place(
     least: Least,
 ) -> (Vec<Planted>, Option<(Layer, Vec<Planted>)>) {
     let as_it_was = settle(judge, [others, std::slice::from_ref(&before.weighed.best)].concat());
-    let mut rest = settle(judge, others.to_vec());
-    let mut tried = beside(judge, variants, &rest, before, &as_it_was, least);
-    // What the rest gains by being looked for from elsewhere is nobody's.
-    for _ in 0..ANEW {
-        let from = tried.first().and_then(|(_, settled)| settled.effects.split_last());
-        let Some(elsewhere) = from.map(|(_, others)| settle(judge, others.to_vec())) else { break };
-        if elsewhere.likely < rest.likely + GAINS_LITTLE_NATS {
-            break;
-        }
-        rest = elsewhere;
-        tried = beside(judge, variants, &rest, before, &as_it_was, least);
-    }
+    let rest = settle(judge, others.to_vec());
+    let mut tried = next(judge, &least.beside(variants, &rest.effects), &rest.effects, rest.likely);
+    stays(&mut tried, before, as_it_was, rest.likely);
     // What gains more, but in too few blocks, is no rival of what shows throughout the log.
     let mut tried = tried.into_iter().skip_while(|(it, settled)| by_blocks(it, settled) < least.nats);
     let best = tried.next();
@@ -163,22 +151,6 @@ fn in_its_place(
     (rest.effects, layer)
 }
 
-/// What may stand in the place of an effect that was there already, `as_it_was` with all sizes found together; the most evident
-/// is the first.
-fn beside(
-    judge: &dyn Judge,
-    variants: &[Variant],
-    rest: &Settled,
-    before: &Layer,
-    as_it_was: &Settled,
-    least: Least,
-) -> Vec<(Weighed, Settled)> {
-    let mut tried = next(judge, &least.beside(variants, &rest.effects), &rest.effects, rest.likely);
-    stays(&mut tried, before, as_it_was.clone(), rest.likely);
-    tried.sort_by(|a, b| b.0.evidence_nats.total_cmp(&a.0.evidence_nats));
-    tried
-}
-
 /// Has an effect that was there already, as `settled` with all sizes found together, be no worse for being thought of again.
 fn stays(tried: &mut Vec<(Weighed, Settled)>, before: &Layer, settled: Settled, likely: f64) {
     let gain_nats = settled.likely - likely;
@@ -189,6 +161,7 @@ fn stays(tried: &mut Vec<(Weighed, Settled)>, before: &Layer, settled: Settled, 
         let evidence_nats = gain_nats - before.pays_nats;
         tried.push((Weighed { gain_nats, evidence_nats, ..before.weighed.clone() }, settled));
     }
+    tried.sort_by(|a, b| b.0.evidence_nats.total_cmp(&a.0.evidence_nats));
 }
 
 /// The evidence of an effect, where of what it gains so much counts as blocks leave it.
@@ -208,7 +181,6 @@ pub fn planted(layers: &[Layer]) -> Vec<Planted> {
 }
 
 /// Effects with their sizes found together.
-#[derive(Clone)]
 struct Settled {
     /// At their most likely sizes.
     effects: Vec<Planted>,

@@ -103,15 +103,15 @@ mod tests {
     #[test]
     fn what_scatters_by_more_than_it_is_taken_to_is_surer_of_nothing() {
         let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
-        let truth = kinds.clone().map(|variant| Planted { size: 0.5 * variant.sizes().1, variant });
+        let truth = kinds.map(|variant| Planted { size: 0.5 * variant.sizes().1, variant });
         let wave = |t: usize, step: f64| 3.0 * (step * t as f64).sin();
-        let quiet = Straight::new(&truth, &[&|t| wave(t, 0.37), &|t| wave(t, 0.37) + wave(t, 0.91)], Seed(7));
-        let mut loud = Straight::new(&truth, &[&|t| wave(t, 0.37), &|t| wave(t, 0.37) + wave(t, 0.91)], Seed(7));
+        let log = || Straight::new(&truth, &[&|t| wave(t, 0.37), &|t| wave(t, 0.37) + wave(t, 0.91)], Seed(7));
+        let (quiet, mut loud) = (log(), log());
         let silent = quiet.numbers(&truth);
-        let made: Vec<f64> = (0..loud.measured.len())
-            .map(|t| silent.iter().zip(&kinds).map(|(size, kind)| size * quiet.by(kind)[t]).sum())
-            .collect();
-        loud.measured.iter_mut().zip(&made).for_each(|(it, made)| *it = made + 3.0 * (*it - made));
+        for (t, it) in loud.measured.iter_mut().enumerate() {
+            let made = quiet.made(&silent, t);
+            *it = made + 3.0 * (*it - made);
+        }
         let width = |judge: &dyn Judge| {
             intervals(judge, &truth).into_iter().map(|[from, to]| (to / from).ln()).collect::<Vec<f64>>()
         };
