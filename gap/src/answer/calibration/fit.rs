@@ -3,7 +3,7 @@
 use asami_math::elementary::{exp, ln, ln_1p};
 use asami_math::quasi_newton::lbfgs;
 
-use super::{Calibration, HIDDEN, Left, SEVERAL, SLIP, Said, class, greatest, nats, top_effect, top_single};
+use super::{Calibration, HIDDEN, Left, SEVERAL, SLIP, Said, class, greatest, nats};
 use crate::weigh::causes::{NONE, is_unknown, leader};
 use crate::weigh::practice::Case;
 
@@ -65,25 +65,40 @@ fn unit(cause: &str) -> f64 {
     if is_unknown(cause) { BLOCK_NATS } else { 1.0 }
 }
 
-/// How much a case counts that was planted with a cause, and one that stands for a cause in nobody's list: there is one of these
-/// for each of the former with one effect. As many cases as were planted have a cause at all.
-fn weights(cases: &[&Left]) -> [f64; 2] {
-    let planted = cases.iter().filter(|left| left.planted && left.case.truth != NONE).count() as f64;
-    let stand_ins = cases.iter().filter(|left| !left.planted).count() as f64;
-    if stand_ins > 0.0 { [1.0 - SHARE_UNKNOWN, SHARE_UNKNOWN * planted / stand_ins] } else { [1.0, 0.0] }
+/// How much cases count. There is one that stands for a cause in nobody's list for each that was planted with one effect; as many
+/// as were planted have a cause at all.
+pub(super) struct Weights {
+    of_planted: f64,
+    of_stand_in: f64,
+}
+
+impl Weights {
+    pub(super) fn of(cases: &[&Left]) -> Self {
+        let planted = cases.iter().filter(|left| left.planted && left.case.truth != NONE).count() as f64;
+        let stand_ins = cases.iter().filter(|left| !left.planted).count() as f64;
+        if stand_ins > 0.0 {
+            Self { of_planted: 1.0 - SHARE_UNKNOWN, of_stand_in: SHARE_UNKNOWN * planted / stand_ins }
+        } else {
+            Self { of_planted: 1.0, of_stand_in: 0.0 }
+        }
+    }
+
+    pub(super) fn weight(&self, left: &Left) -> f64 {
+        match left.planted {
+            true if left.case.truth == NONE => 1.0,
+            true => self.of_planted,
+            false => self.of_stand_in,
+        }
+    }
 }
 
 /// The log-loss with its penalties, and its gradient.
 fn loss(cases: &[&Left], calibration: &Calibration, causes: &[String], at: &[f64]) -> (f64, Vec<f64>) {
     let (mut loss, mut slope) = (0.0, vec![0.0; at.len()]);
-    let [of_planted, of_stand_in] = weights(cases);
-    for Left { case, planted } in cases {
-        let weight = match planted {
-            true if case.truth == NONE => 1.0,
-            true => of_planted,
-            false => of_stand_in,
-        };
-        loss += weight * of_case(case, calibration, causes, weight, &mut slope);
+    let weights = Weights::of(cases);
+    for left in cases {
+        let weight = weights.weight(left);
+        loss += weight * of_case(&left.case, calibration, causes, weight, &mut slope);
     }
     for (i, (slope, at)) in slope.iter_mut().zip(at).enumerate() {
         let (mean, sd) = prior(i, causes.len());
@@ -116,9 +131,9 @@ fn of_case(case: &Case, calibration: &Calibration, causes: &[String], weight: f6
     // The share of the truth's probability that evidence gave it.
     let told = by_evidence / of_truth;
     let leader = leader(&case.evidence);
-    let (top_single, leader_nats) = (top_single(&case.evidence), nats(&case.evidence, leader));
-    let error = calibration.error(&case.evidence);
-    let own = top_effect(&case.evidence).and_then(|(effect, _)| place(causes, effect));
+    let leader_nats = nats(&case.evidence, leader);
+    let of_one = calibration.top(&case.evidence);
+    let (error, own) = (of_one.error, of_one.effect.and_then(|effect| place(causes, effect)));
     let off =
         |cause: &str, sharp: f64| weight * told * (sharp / (1.0 - SLIP) - f64::from(u8::from(*cause == case.truth)));
     let of_class = |slope: &mut [f64], class: &str, off: f64| {
@@ -145,7 +160,7 @@ fn of_case(case: &Case, calibration: &Calibration, causes: &[String], weight: f6
     }
     for (cause, [sharp, _]) in probabilities.iter().filter(|(cause, _)| !is_unknown(cause)) {
         let off = off(cause, *sharp) + if *cause == leader { of_blocks } else { 0.0 };
-        let Said { of_top, class, beyond } = calibration.said(cause, &case.evidence, top_single, error);
+        let Said { of_top, class, beyond } = calibration.said(cause, &case.evidence, &of_one);
         slope[0] += off * calibration.tau * of_top / fading;
         slope[1] -= off * of_top * calibration.tau * calibration.fade * top / (fading * fading);
         if class == SEVERAL {

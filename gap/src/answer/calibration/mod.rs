@@ -19,8 +19,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::weigh::causes::{Evidence, NONE, PRIOR_OF_A_SECOND, UNKNOWN, is_single, is_unknown, leader};
 use crate::weigh::practice::Case;
-use fit::fit;
 pub use fit::log_loss;
+use fit::{Weights, fit};
 pub use less::{Left, less};
 
 /// The class of all causes of several effects.
@@ -113,22 +113,22 @@ impl Calibration {
             .into_par_iter()
             .map(|k| fit(&k.checked_sub(1).map_or_else(|| all.clone(), |fold| of(fold, false).collect())))
             .collect();
-        let mut scores: [Vec<f64>; STRATA] = Default::default();
+        let mut scores: [Vec<(f64, f64)>; STRATA] = Default::default();
+        let weights = Weights::of(&all);
         for (fold, rest) in learned.iter().skip(1).enumerate() {
-            for Left { case, .. } in of(fold, true) {
+            for left in of(fold, true) {
+                let case = &left.case;
                 let shown = case.shown.as_ref().unwrap_or(&case.truth);
                 let truth = if is_unknown(shown) { UNKNOWN } else { shown };
                 let probabilities = rest.probabilities(&case.evidence);
                 let probability = probabilities.get(truth).copied().unwrap_or(0.0);
-                scores[rest.stratum(&case.evidence, &probabilities)].push(probability);
+                scores[rest.stratum(&case.evidence, &probabilities)].push((probability, weights.weight(left)));
             }
         }
         let mut calibration = learned.into_iter().next().unwrap_or_default();
         for (threshold, scores) in calibration.thresholds.iter_mut().zip(&mut scores) {
-            scores.sort_by(f64::total_cmp);
-            // The conformal rank.
-            let rank = (MISSED * (scores.len() + 1) as f64) as usize;
-            *threshold = scores.get(rank.max(1) - 1).copied().unwrap_or(0.05);
+            scores.sort_by(|a, b| a.0.total_cmp(&b.0));
+            *threshold = least_in_set(scores).unwrap_or(0.05);
         }
         calibration.absorbed_nats = cases.iter().filter_map(|left| left.case.absorbed_nats).collect();
         calibration.absorbed_nats.sort_by(f64::total_cmp);
@@ -187,17 +187,16 @@ impl Calibration {
     fn scores<'a>(&self, evidence: &'a Evidence) -> Vec<(&'a str, f64)> {
         let weight = self.tau / (1.0 + self.fade * greatest(evidence));
         let singles = evidence.keys().filter(|cause| is_single(cause)).count().max(1) as f64;
-        let top = top_single(evidence);
-        let error = self.error(evidence);
+        let top = self.top(evidence);
         let named = |cause: &str| {
-            let Said { of_top, class, beyond } = self.said(cause, evidence, top, error);
+            let Said { of_top, class, beyond } = self.said(cause, evidence, &top);
             ln(prior(cause, singles)) + self.beta(class) + weight * of_top + self.tau * beyond
         };
         let leader = leader(evidence);
         let (of_leader, leader_nats) = (named(leader), nats(evidence, leader));
         let block = |cause: &str| {
             let beyond = nats(evidence, cause) - leader_nats + self.beta(cause);
-            of_leader + ln(PRIOR_UNKNOWN) + self.tau_beyond * (beyond - error)
+            of_leader + ln(PRIOR_UNKNOWN) + self.tau_beyond * (beyond - top.error)
         };
         let score = |cause: &'a str| (cause, if is_unknown(cause) { block(cause) } else { named(cause) });
         evidence.keys().map(|cause| score(cause)).chain([score(NONE)]).collect()
@@ -244,23 +243,26 @@ impl Calibration {
 
     /// Whether a cause is of several effects of which not all show.
     fn hides(&self, cause: &str, evidence: &Evidence) -> bool {
-        self.said(cause, evidence, top_single(evidence), self.error(evidence)).class == HIDDEN
+        self.said(cause, evidence, &self.top(evidence)).class == HIDDEN
     }
 
     fn beta(&self, class: &str) -> f64 {
         self.beta.get(class).copied().unwrap_or(0.0)
     }
 
-    /// What of the evidence for more than the most evident effect is the library's error in it, in nats.
-    fn error(&self, evidence: &Evidence) -> f64 {
-        let own = top_effect(evidence).and_then(|(effect, _)| self.own_error.get(effect)).copied().unwrap_or(0.0);
-        self.error * exp(own) * top_single(evidence)
+    /// The most evident effect alone.
+    fn top<'a>(&self, evidence: &'a Evidence) -> Top<'a> {
+        let singles = evidence.iter().filter(|(cause, _)| is_single(cause));
+        let most = singles.reduce(|a, b| if b.1 > a.1 { b } else { a });
+        let (effect, nats) = most.map_or((None, 0.0), |(effect, nats)| (Some(effect.as_str()), nats.max(0.0)));
+        let own = effect.and_then(|effect| self.own_error.get(effect)).copied().unwrap_or(0.0);
+        Top { effect, nats, error: self.error * exp(own) * nats }
     }
 
-    /// What is said for a cause where the most evident effect has `top` nats, of which `error` pass for something else besides.
-    fn said<'a>(&self, cause: &'a str, evidence: &Evidence, top: f64, error: f64) -> Said<'a> {
-        let (of_top, beyond) = parts(cause, nats(evidence, cause), top);
-        let (class, beyond) = self.beyond(cause, beyond - error);
+    /// What is said for a cause beside the most evident effect.
+    fn said<'a>(&self, cause: &'a str, evidence: &Evidence, top: &Top<'_>) -> Said<'a> {
+        let (of_top, beyond) = top.parts(cause, nats(evidence, cause));
+        let (class, beyond) = self.beyond(cause, beyond - top.error);
         Said { of_top, class, beyond }
     }
 
@@ -272,6 +274,39 @@ impl Calibration {
             SEVERAL => (SEVERAL, beyond),
             single => (single, 0.0),
         }
+    }
+}
+
+/// The least of these probabilities, increasing, each with its weight, below which less than [`MISSED`] of the weight lies, one more
+/// case of weight 1 counted (of cases that are not as frequent as they are to be expected: Tibshirani et al. 2019).
+fn least_in_set(scores: &[(f64, f64)]) -> Option<f64> {
+    let most = MISSED * (1.0 + scores.iter().fold(0.0, |sum, (_, weight)| sum + weight));
+    let below = scores.iter().scan(0.0, |below, (probability, weight)| {
+        *below += weight;
+        Some((*probability, *below))
+    });
+    below.take_while(|(_, below)| *below <= most).last().map(|(probability, _)| probability).or(Some(scores.first()?.0))
+}
+
+/// The most evident effect alone.
+struct Top<'a> {
+    /// Its name, where any is in the list.
+    effect: Option<&'a str>,
+    /// Its evidence; that of *none*, 0, where there is more for that.
+    nats: f64,
+    /// What of the evidence for more than it is the library's error in it.
+    error: f64,
+}
+
+impl Top<'_> {
+    /// What is said by it for a cause that has so many nats, and beyond it. For several of which it is none, it says no more than
+    /// they have together.
+    fn parts(&self, cause: &str, nats: f64) -> (f64, f64) {
+        if is_single(cause) || cause == NONE {
+            return (nats, 0.0);
+        }
+        let is_in = cause.split('+').any(|effect| self.effect == Some(effect));
+        (if is_in { self.nats } else { nats.clamp(0.0, self.nats) }, nats - self.nats)
     }
 }
 
@@ -302,22 +337,6 @@ fn prior(cause: &str, singles: f64) -> f64 {
 /// Evidence of a cause, none of *none*.
 fn nats(evidence: &Evidence, cause: &str) -> f64 {
     evidence.get(cause).copied().unwrap_or(0.0).clamp(-1e6, 1e9)
-}
-
-/// The evidence of the most evident effect alone; 0 of *none*.
-fn top_single(evidence: &Evidence) -> f64 {
-    top_effect(evidence).map_or(0.0, |(_, nats)| nats.max(0.0))
-}
-
-/// The most evident effect alone, and its evidence.
-fn top_effect(evidence: &Evidence) -> Option<(&str, f64)> {
-    let singles = evidence.iter().filter(|(cause, _)| is_single(cause)).map(|(cause, nats)| (cause.as_str(), *nats));
-    singles.reduce(|a, b| if b.1 > a.1 { b } else { a })
-}
-
-/// What the most evident effect says, and what a second one says beyond it.
-fn parts(cause: &str, nats: f64, top_single: f64) -> (f64, f64) {
-    if is_single(cause) || cause == NONE { (nats, 0.0) } else { (top_single, nats - top_single) }
 }
 
 fn greatest(evidence: &Evidence) -> f64 {

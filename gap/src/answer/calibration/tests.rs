@@ -275,3 +275,31 @@ fn what_is_taken_out_of_the_list_may_be_there_and_not_show() {
     assert!((whole - 2.0 / 3.0).abs() < 0.07 && (less - 2.0 / 3.0).abs() < 0.12, "{whole} {less}");
     assert!(share(&[], UNKNOWN) < 0.07, "{}", share(&[], UNKNOWN));
 }
+
+/// Two others together are no more probable for what a third one says, be that as much as it may; beside it, one that does not show
+/// may be there.
+#[test]
+fn what_the_most_evident_effect_says_speaks_for_none_that_are_without_it() {
+    let calibration = Calibration::learn(&with_hidden(300));
+    let of = |nats: f64| {
+        let evidence = [("a", nats), ("b", 4.0), ("c", 3.0), ("b+c", 5.0), ("a+b", nats - 1.0)];
+        let evidence = Evidence::from(evidence.map(|(cause, nats)| (cause.to_owned(), nats)));
+        let p = calibration.probabilities(&evidence);
+        assert!(p["a+b"] > 0.01 * p["a"], "{p:?}");
+        p["b+c"] / p["a+b"]
+    };
+    let [little, much] = [8.0, 40.0].map(of);
+    assert!(much < 0.5 * little && much < 0.05, "{little} {much}");
+}
+
+/// Truths that are a third of the cases but count for a tenth each are a thirtieth of what the set may miss.
+#[test]
+fn the_set_misses_a_twelfth_of_what_cases_count_for() {
+    let even: Vec<(f64, f64)> = (0..119).map(|i| (f64::from(i), 1.0)).collect();
+    assert_eq!(least_in_set(&even), Some(9.0));
+    let rare: Vec<(f64, f64)> = (0..119).map(|i| (f64::from(i), if i < 60 { 0.1 } else { 1.0 })).collect();
+    // A twelfth of 1 + 6 + 59.
+    assert_eq!(least_in_set(&rare), Some(54.0));
+    assert_eq!(least_in_set(&even[..3]), Some(0.0));
+    assert_eq!(least_in_set(&[]), None);
+}
