@@ -89,13 +89,19 @@ pub fn cholesky(a: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
 /// Solves `L L^T x = b`.
 #[must_use]
 pub fn cholesky_solve(l: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
-    let n = l.len();
     let mut x = b.to_vec();
-    for i in 0..n {
+    for i in 0..l.len() {
         x[i] = (x[i] - dot(&l[i][..i], &x[..i])) / l[i][i];
     }
-    for i in (0..n).rev() {
-        let known = (i + 1..n).fold(0.0, |sum, k| sum + l[k][i] * x[k]);
+    cholesky_transposed_solve(l, &x)
+}
+
+/// Solves `L^T x = b`: of standard Gaussian numbers it makes some whose inverse covariance is `L L^T`.
+#[must_use]
+pub fn cholesky_transposed_solve(l: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
+    let mut x = b.to_vec();
+    for i in (0..l.len()).rev() {
+        let known = (i + 1..l.len()).fold(0.0, |sum, k| sum + l[k][i] * x[k]);
         x[i] = (x[i] - known) / l[i][i];
     }
     x

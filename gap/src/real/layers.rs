@@ -8,7 +8,7 @@ use asami_math::elementary::{exp, ln};
 use asami_sim::effect::{Block, Place};
 
 use super::starts::starts;
-use super::unsure::{blocks, intervals};
+use super::unsure::{believed, blocks};
 use crate::judge::Judge;
 use crate::newton::{Curvature, climb};
 use crate::plant::{Planted, Variant};
@@ -119,8 +119,12 @@ pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Lay
         }
     }
     layers.sort_by(|a, b| b.weighed.evidence_nats.total_cmp(&a.weighed.evidence_nats));
-    let unsure = intervals(judge, &planted(&layers));
-    layers.iter_mut().zip(unsure).for_each(|(layer, interval)| layer.weighed.interval = interval);
+
+    let found = believed(judge, &planted(&layers));
+    for (layer, believed) in layers.iter_mut().zip(found) {
+        layer.weighed.best.size = believed.size;
+        layer.weighed.interval = believed.interval;
+    }
     layers
 }
 

@@ -42,6 +42,25 @@ fn log(planted: &[Planted], seed: u64) -> Log {
     play(&world::Plain::default(), planted, Seed(1000 + seed), 120.0).unwrap().log
 }
 
+/// A library that one thread learned is, to the bit, the one that several learned, and so is what it makes of a log.
+#[test]
+fn one_thread_learns_what_several_learn() {
+    let kinds = world::kinds(&["image_delay", "vision_noise"]);
+    let budget = Budget { nominal_runs: 16, runs: 2, sizes: 3, run_s: 120.0 };
+    let log = log(&[planted("image_delay", 1.0, 0.1)], 5);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let library = Library::learn(&world::Plain::default(), &kinds, &budget).unwrap();
+            let calibration = Calibration::default();
+            let diagnoser = Diagnoser { library: &library, calibration: &calibration, variants: &kinds, courses: &() };
+            (serde_json::to_string(&diagnoser.diagnose(&log).unwrap()).unwrap(), library)
+        })
+    };
+    let [alone, several] = [1, 3].map(on);
+    assert!(alone == several, "{}\n{}", alone.0, several.0);
+}
+
 /// `-log p(o_t | past) - h_t` is a martingale difference in the world that made the log, of variance 1 a sighting for
 /// its two squares (chi-squared with 2 degrees of freedom, halved).
 #[test]

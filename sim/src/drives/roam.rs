@@ -20,6 +20,8 @@ asami_dataset::parameters! {
         most_rad_per_s: f64 = 0.6, "rad/s", 0.0..=10.0;
         /// Share of the commands that go straight on.
         straight: f64 = 0.3, "1", 0.0..=1.0;
+        /// Greatest turning rate while it drives, as a share of that on the spot.
+        in_arcs: f64 = 1.0, "1", 0.0..=1.0;
         /// Share of the commands that turn on the spot, or stand.
         on_the_spot: f64 = 0.2, "1", 0.0..=1.0;
         /// Extent of the arena along world x, about the origin.
@@ -71,7 +73,7 @@ impl Roam {
 
     /// Draws a command and how long it is held.
     fn draw(&mut self) -> (f64, Action) {
-        let Roaming { least_hold_s, most_hold_s, most_m_per_s, most_rad_per_s, straight, on_the_spot, .. } =
+        let Roaming { least_hold_s, most_hold_s, most_m_per_s, most_rad_per_s, straight, in_arcs, on_the_spot, .. } =
             self.roaming;
         let [hold, kind, speed, turn] = std::array::from_fn(|_| self.rng.random::<f64>());
         let (v, omega) = (most_m_per_s * speed, most_rad_per_s * (2.0 * turn - 1.0));
@@ -79,7 +81,7 @@ impl Roam {
             _ if self.roaming.on_a_rail() => wheels(most_m_per_s * (2.0 * speed - 1.0), 0.0),
             kind if kind < straight => wheels(v, 0.0),
             kind if kind < straight + on_the_spot => wheels(0.0, omega),
-            _ => wheels(v, omega),
+            _ => wheels(v, in_arcs * omega),
         };
         (least_hold_s + (most_hold_s - least_hold_s).max(0.0) * hold, action)
     }
@@ -117,4 +119,28 @@ impl Drive for Roam {
 
 fn wheels(v_m_per_s: f64, omega_rad_per_s: f64) -> Action {
     Action::Wheels { id: None, v_m_per_s, omega_rad_per_s }
+}
+
+#[cfg(test)]
+mod tests {
+    use asami_dataset::Seed;
+
+    use super::*;
+
+    /// Arcs are as wide as asked for, turns on the spot as quick as any.
+    #[test]
+    fn what_drives_turns_less_quickly_than_what_stands() {
+        let roaming = Roaming { in_arcs: 0.5, ..Roaming::default() };
+        let asked = [roaming.in_arcs * roaming.most_rad_per_s, roaming.most_rad_per_s];
+        let mut roam = Roam::new(roaming, Seed(1).stream("roam"));
+        let mut most = [0.0_f64; 2];
+        for _ in 0..2000 {
+            let (_, Action::Wheels { v_m_per_s, omega_rad_per_s, .. }) = roam.draw() else { panic!("it has wheels") };
+            let stands = usize::from(v_m_per_s == 0.0);
+            most[stands] = most[stands].max(omega_rad_per_s.abs());
+        }
+        for (most, asked) in most.into_iter().zip(asked) {
+            assert!(most <= asked && most > 0.98 * asked, "{most} of {asked}");
+        }
+    }
 }
