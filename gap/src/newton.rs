@@ -1,7 +1,7 @@
 //! Newton's method on a log-likelihood that is a sum over steps, with the curvature of the steps' scores (Berndt, Hall, Hall
 //! and Hausman 1974).
 
-use asami_math::decomposition::{cholesky, cholesky_solve};
+use asami_math::decomposition::{cholesky, cholesky_solve, cholesky_transposed_solve};
 use asami_math::elementary::ln;
 
 /// The curvature at a point.
@@ -32,6 +32,28 @@ impl Curvature {
     #[must_use]
     pub fn of(matrix: &[Vec<f64>]) -> Option<Self> {
         Some(Self { l: cholesky(matrix)? })
+    }
+
+    /// The same and these precisions, one a direction.
+    #[must_use]
+    pub fn with(&self, precisions: &[f64]) -> Option<Self> {
+        let product = |i: usize, j: usize| self.l[i].iter().zip(&self.l[j]).fold(0.0, |sum, (a, b)| sum + a * b);
+        let row =
+            |i: usize| (0..self.l.len()).map(|j| product(i, j) + if i == j { precisions[i] } else { 0.0 }).collect();
+        Self::of(&(0..self.l.len()).map(row).collect::<Vec<_>>())
+    }
+
+    /// What lies so far off the top has by half of this less.
+    #[must_use]
+    pub fn squared(&self, off: &[f64]) -> f64 {
+        let along = |j: usize| (j..off.len()).fold(0.0, |sum, i| sum + self.l[i][j] * off[i]);
+        (0..off.len()).map(along).fold(0.0, |sum, it| sum + it * it)
+    }
+
+    /// How far off the top a Gaussian of this curvature lies that is drawn by these standard ones.
+    #[must_use]
+    pub fn drawn(&self, standard: &[f64]) -> Vec<f64> {
+        cholesky_transposed_solve(&self.l, standard)
     }
 
     /// The step of Newton's method where the log-likelihood has this slope.
@@ -104,6 +126,9 @@ mod tests {
         near(curvature.variances()[0], 0.25);
         near(curvature.variances()[1], 1.0 / 16.0);
         near(curvature.ln_determinant(), 64.0_f64.ln());
+        near(curvature.squared(&[1.0, 0.5]), 4.0 + 16.0 / 4.0);
+        near(curvature.squared(&curvature.drawn(&[0.6, 0.8])), 1.0);
+        near(curvature.with(&[1.0, 0.0]).unwrap().variances()[0], 0.2);
         assert!(Curvature::new(&[vec![f64::NAN]], 1.0).is_none());
     }
 

@@ -119,7 +119,6 @@ pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Lay
         }
     }
     layers.sort_by(|a, b| b.weighed.evidence_nats.total_cmp(&a.weighed.evidence_nats));
-
     let found = believed(judge, &planted(&layers));
     for (layer, believed) in layers.iter_mut().zip(found) {
         layer.weighed.best.size = believed.size;

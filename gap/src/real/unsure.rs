@@ -6,7 +6,6 @@
 //! law: the top may be anywhere on it, and says nothing. Of what is believed the middle counts.
 
 use asami_dataset::Seed;
-use asami_math::decomposition::{cholesky, cholesky_transposed_solve};
 use asami_math::elementary::ln;
 use rand::RngExt;
 use rand_distr::StandardNormal;
@@ -72,16 +71,16 @@ pub fn believed(judge: &dyn Judge, all: &[Planted]) -> Vec<Believed> {
 struct Ridge {
     /// Sizes, somewhere within the laws.
     middle: Vec<f64>,
-    /// The lower triangular factor of its curvature.
-    l: Vec<Vec<f64>>,
+    /// How it bends.
+    curvature: Curvature,
+    /// The same, with each law's width for a standard deviation besides: how long steps among sizes are.
+    stride: Curvature,
     /// Where it is greatest, be it beyond the laws.
     top: Vec<f64>,
     /// By how much more widely than that sizes scatter.
     wider: Vec<f64>,
     /// The laws' ends.
     laws: Vec<[f64; 2]>,
-    /// The same as `l`, with each law's width for a standard deviation besides: how long steps among sizes are.
-    stride: Vec<Vec<f64>>,
 }
 
 impl Ridge {
@@ -103,13 +102,9 @@ impl Ridge {
             by_scores.variances().into_iter().map(|it| it.sqrt().clamp(AROUND[0], AROUND[1])).collect();
         let middle: Vec<Planted> = all.iter().zip(&around).map(|(it, by)| inside(it, *by)).collect();
         let likely = |by: &[(usize, f64)]| terms(&middle, by).into_iter().fold(0.0, |sum, it| sum + it);
-        let (slope, mut bent) = bent(likely, &around);
-        (0..all.len()).for_each(|i| bent[i][i] += NEXT_TO_NOTHING);
-        if cholesky(&bent).is_none() {
-            // Where it bends upwards somewhere, the scores say how curved it is.
-            bent = squares(&scores);
-        }
-        let curvature = Curvature::of(&bent)?;
+        let (slope, bent) = bent(likely, &around);
+        // Where it bends upwards somewhere, the scores say how curved it is.
+        let curvature = Curvature::of(&bent).unwrap_or(by_scores);
         let scattered = curvature.variances_by_block(&scores, &blocks(judge));
         // Blocks are few: that errors in one made up for one another is not believed.
         let wider =
@@ -119,16 +114,13 @@ impl Ridge {
             [least / it.size, greatest / it.size]
         };
         let laws: Vec<[f64; 2]> = middle.iter().map(law).collect();
-        let l = cholesky(&bent)?;
-        for (i, [least, greatest]) in laws.iter().enumerate() {
-            bent[i][i] += (greatest - least).max(1e-9).powi(-2);
-        }
+        let widths = laws.iter().map(|[least, greatest]| (greatest - least).max(1e-9).powi(-2));
         Some(Self {
-            l,
+            stride: curvature.with(&widths.collect::<Vec<_>>())?,
             top: curvature.step(&slope).into_iter().map(|step| 1.0 + step).collect(),
             wider: wider.collect(),
+            curvature,
             laws,
-            stride: cholesky(&bent)?,
             middle: middle.into_iter().map(|it| it.size).collect(),
         })
     }
@@ -139,9 +131,8 @@ impl Ridge {
         if !within {
             return f64::NEG_INFINITY;
         }
-        let off = |i: usize| (sizes[i] - self.top[i]) / self.wider[i];
-        let along = |j: usize| (j..sizes.len()).fold(0.0, |sum, i| sum + self.l[i][j] * off(i));
-        let squares = (0..sizes.len()).map(along).fold(0.0, |sum, it| sum + it * it);
+        let off = sizes.iter().zip(&self.top).zip(&self.wider).map(|((size, top), wider)| (size - top) / wider);
+        let squares = self.curvature.squared(&off.collect::<Vec<_>>());
         -0.5 * squares - sizes.iter().fold(0.0, |sum, size| sum + ln(*size))
     }
 
@@ -154,7 +145,7 @@ impl Ridge {
         let suits = 2.38 / (here.len() as f64).sqrt();
         for step in 0..FIRST + WALK {
             let standard: Vec<f64> = here.iter().map(|_| rng.sample(StandardNormal)).collect();
-            let by = cholesky_transposed_solve(&self.stride, &standard);
+            let by = self.stride.drawn(&standard);
             let long = suits * STEPS[step % STEPS.len()];
             let there: Vec<f64> =
                 here.iter().zip(by.iter().zip(&self.wider)).map(|(at, (by, wider))| at + long * wider * by).collect();
@@ -190,16 +181,6 @@ fn bent(likely: impl Fn(&[(usize, f64)]) -> f64, around: &[f64]) -> (Vec<f64>, V
         }
     }
     (slope, bent)
-}
-
-/// The sum of the scores' squares, and next to nothing.
-fn squares(scores: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
-    let row = |i: usize| {
-        let nothing = |j: usize| if i == j { NEXT_TO_NOTHING } else { 0.0 };
-        (0..scores.len()).map(|j| product(&scores[i], &scores[j]) + nothing(j)).collect()
-    };
-    (0..scores.len()).map(row).collect()
 }
 
 /// Where such a share of it more stays within the law.

@@ -207,7 +207,8 @@ impl Calibration {
     #[must_use]
     pub fn set90(&self, evidence: &Evidence, probabilities: &BTreeMap<String, f64>) -> Vec<String> {
         let threshold = self.thresholds[self.stratum(evidence, probabilities)];
-        let shows = |cause: &&String| !self.hides(cause, evidence);
+        let top = self.top(evidence);
+        let shows = |cause: &&String| !self.hides(cause, evidence, &top);
         let mut causes: Vec<(&String, f64)> =
             probabilities.iter().filter(|(cause, _)| shows(cause)).map(|(cause, p)| (cause, *p)).collect();
         causes.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -232,7 +233,8 @@ impl Calibration {
 
     /// By how much the evidence of the most probable cause in the list is ahead of that of all which it is no part of, in nats.
     fn ahead(&self, evidence: &Evidence, probabilities: &BTreeMap<String, f64>) -> f64 {
-        let shows = |cause: &str| !is_unknown(cause) && !self.hides(cause, evidence);
+        let most = self.top(evidence);
+        let shows = |cause: &str| !is_unknown(cause) && !self.hides(cause, evidence, &most);
         let shown = probabilities.iter().filter(|(cause, _)| shows(cause));
         let Some((top, _)) = shown.reduce(|a, b| if b.1 > a.1 { b } else { a }) else { return 0.0 };
         let apart = |cause: &str| !is_unknown(cause) && cause != top && !cause.split('+').any(|effect| effect == top);
@@ -242,8 +244,8 @@ impl Calibration {
     }
 
     /// Whether a cause is of several effects of which not all show.
-    fn hides(&self, cause: &str, evidence: &Evidence) -> bool {
-        self.said(cause, evidence, &self.top(evidence)).class == HIDDEN
+    fn hides(&self, cause: &str, evidence: &Evidence, top: &Top<'_>) -> bool {
+        self.said(cause, evidence, top).class == HIDDEN
     }
 
     fn beta(&self, class: &str) -> f64 {

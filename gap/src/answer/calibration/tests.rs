@@ -292,7 +292,7 @@ fn what_the_most_evident_effect_says_speaks_for_none_that_are_without_it() {
     assert!(much < 0.5 * little && much < 0.05, "{little} {much}");
 }
 
-/// Truths that are a third of the cases but count for a tenth each are a thirtieth of what the set may miss.
+/// What counts for a tenth takes a tenth of what the set may miss.
 #[test]
 fn the_set_misses_a_twelfth_of_what_cases_count_for() {
     let even: Vec<(f64, f64)> = (0..119).map(|i| (f64::from(i), 1.0)).collect();
