@@ -1,6 +1,6 @@
 //! What the documentation shows is what the program reads.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use asami::scenario::{self, Start};
@@ -59,29 +59,42 @@ fn the_small_scenario_of_the_docs_is_one() {
     }
 }
 
-/// The tutorial from a log to a repaired simulator, and the page on blind sweeps, as they stand there, uncalibrated.
+/// A user's folder without any results but the library, which is kept from run to run and shared with the tests of `diagnose`.
+fn of_a_user() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("user");
+    let results = folder.join("results");
+    std::fs::create_dir_all(&results).expect("made");
+    for old in std::fs::read_dir(&results).expect("there").flatten().filter(|old| old.file_name() != "library") {
+        std::fs::remove_dir_all(old.path()).expect("removed");
+    }
+    folder
+}
+
+/// The tutorial from a log to a repaired simulator, and the page on blind sweeps, as they stand there, uncalibrated, in the small
+/// world of the tests of `diagnose`.
 #[test]
 fn the_commands_of_the_tutorial_run() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let page = |name: &str| std::fs::read_to_string(root.join("docs").join(name)).expect("the page");
     let pages = page("diagnosis.md") + &page("blind.md");
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::create_dir(folder.path().join("scenarios")).expect("made");
-    for name in ["plain_2d.toml", "blind_plain_2d.toml", "blind_foreign.toml"] {
+    let folder = of_a_user();
+    std::fs::create_dir_all(folder.join("scenarios")).expect("made");
+    std::fs::copy(root.join("tests/diagnose/plain_2d.toml"), folder.join("scenarios/plain_2d.toml")).expect("copied");
+    for name in ["blind_plain_2d.toml", "blind_foreign.toml"] {
         let shipped = std::fs::read_to_string(root.join("scenarios").join(name)).expect("shipped");
         let line = |line: &str| if line.starts_with("calibration_cases") { String::new() } else { format!("{line}\n") };
         let uncalibrated: String = shipped.lines().map(line).collect();
-        std::fs::write(folder.path().join("scenarios").join(name), uncalibrated).expect("written");
+        std::fs::write(folder.join("scenarios").join(name), uncalibrated).expect("written");
     }
     let blocks = pages.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
     let commands: Vec<&str> = blocks.flat_map(str::lines).collect();
     assert_eq!(commands.len(), 9, "{commands:?}");
     let script = "benches/peers/kinematic_cases.py";
-    std::fs::create_dir_all(folder.path().join("benches/peers")).expect("made");
-    std::fs::copy(root.join(script), folder.path().join(script)).expect("shipped");
+    std::fs::create_dir_all(folder.join("benches/peers")).expect("made");
+    std::fs::copy(root.join(script), folder.join(script)).expect("shipped");
     // The page's foreign program needs Python 3.11.
     let python = Command::new("python3").args(["-c", "import tomllib"]).output().is_ok_and(|it| it.status.success());
-    let answer = folder.path().join("results/diagnosis/001");
+    let answer = folder.join("results/diagnosis/001");
     for line in commands {
         // Whether there is an effect to repair hangs on what the catalogue's laws draw.
         if line.contains("with_effect.toml") && !answer.join("with_effect.toml").exists() {
@@ -105,11 +118,11 @@ fn the_commands_of_the_tutorial_run() {
             "diagnose" => (env!("CARGO_BIN_EXE_diagnose"), &["--calibrate", "0"]),
             _ => panic!("{line}"),
         };
-        let ran = Command::new(program).current_dir(folder.path()).args(arguments).args(more).output().expect("starts");
+        let ran = Command::new(program).current_dir(&folder).args(arguments).args(more).output().expect("starts");
         assert!(ran.status.success(), "{line}: {}", String::from_utf8_lossy(&ran.stderr));
     }
     assert!(answer.join("diagnosis.json").exists() && answer.join("report.html").exists());
-    let trials = folder.path().join("results/blind_try/trials.csv");
+    let trials = folder.join("results/blind_try/trials.csv");
     assert_eq!(std::fs::read_to_string(trials).expect("written").lines().count(), 1 + 3 * 3);
 }
 

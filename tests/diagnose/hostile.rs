@@ -123,7 +123,7 @@ fn what_shows_little_is_diagnosed_with_a_note() {
 #[test]
 fn without_keys_every_byte_is_the_same() {
     let bench = Bench::new();
-    let (scenario, out) = (bench.path("small.toml"), bench.path("withheld"));
+    let (scenario, out) = (bench.path("plain_2d.toml"), bench.path("withheld"));
     let arguments = ["--withhold", "--salt", "keyless", "--cases", "2", "--duration-s", "100", "-o"];
     let arguments = [&arguments[..], &[crate::utf8(&out), crate::utf8(&scenario)]].concat();
     let made = crate::run(env!("CARGO_BIN_EXE_generate"), &arguments);

@@ -11,28 +11,7 @@ use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::Verdict;
 
 /// Section 4.4.2's simulator with less noise on bearings, so that minutes say enough.
-const SCENARIO: &str = r#"
-schema = 1
-about = "What does a small world leave out?"   # a remark
-study = "plane"
-robot = "plain"
-duration_s = 300
-seeds = 1
-first_seed = 1000
-[start]
-y_m = 0.0
-[plain.sight]
-sigma2_rad = 0.05
-[[field.beacons]]
-id = 0
-body = { x_m = 1.95, y_m = 1.35, radius_m = 0.05, base_m = 0.1, height_m = 0.2, bands = ["pink", "yellow"] }
-[[field.beacons]]
-id = 1
-body = { x_m = -1.95, y_m = -1.35, radius_m = 0.05, base_m = 0.1, height_m = 0.2, bands = ["blue", "pink"] }
-[[rows]]
-learner = "em_published"
-start = "attempted"
-"#;
+const SCENARIO: &str = include_str!("plain_2d.toml");
 
 fn run(program: &str, arguments: &[&str]) -> Output {
     Command::new(program).args(arguments).output().expect("the program starts")
@@ -51,7 +30,7 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         let folder = tempfile::tempdir().expect("made");
-        std::fs::write(folder.path().join("small.toml"), SCENARIO).expect("written");
+        std::fs::write(folder.path().join("plain_2d.toml"), SCENARIO).expect("written");
         Self { folder }
     }
 
@@ -61,7 +40,7 @@ impl Bench {
 
     /// A data set of the small world with these effects.
     fn log(&self, name: &str, seed: &str, effects: &[&str]) -> PathBuf {
-        let (scenario, out) = (self.path("small.toml"), self.path(name));
+        let (scenario, out) = (self.path("plain_2d.toml"), self.path(name));
         let mut arguments = vec!["--seed", seed, "-o", utf8(&out), utf8(&scenario)];
         effects.iter().for_each(|effect| arguments.extend(["--effect", effect]));
         let made = run(env!("CARGO_BIN_EXE_generate"), &arguments);
@@ -83,7 +62,7 @@ impl Bench {
 
     fn command(&self, libraries: &Path, log: &Path, out: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_diagnose"));
-        command.args(["--calibrate", "0", "--nominal"]).arg(self.path("small.toml"));
+        command.args(["--calibrate", "0", "--nominal"]).arg(self.path("plain_2d.toml"));
         command.arg("--libraries").arg(libraries).arg("-o").arg(self.path(out)).arg(log);
         command
     }
@@ -99,9 +78,10 @@ fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
         .collect()
 }
 
-/// A library that is kept from test to test and from run to run, under the hash of what it hangs on.
+/// A library that is kept from test to test and from run to run, under the hash of what it hangs on; the documentation's commands
+/// look for it here, too.
 fn kept_library() -> PathBuf {
-    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("library")
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("user/results/library")
 }
 
 fn utf8(path: &Path) -> &str {
