@@ -125,6 +125,9 @@ impl Making<'_> {
         let off_axis = self.shape.off_rad * self.shape.off_rad * self.shape.off_scale(self.shape.middle_m());
         self.push([(size.start + curve, of_size / off_axis.max(1e-6))]);
         self.push([(size.start + curve + 1, of_size)]);
+        if self.shape.ranges {
+            self.push([(size.start + curve + 3, of_size / self.shape.middle_m())]);
+        }
         let off = self.shape.off_rad.max(1e-3);
         self.push([(bearing.start, of_bearing)]);
         self.push([(bearing.start + 1, of_bearing / off)]);

@@ -10,6 +10,11 @@ pub trait Judge: Sync {
     /// The response of the nominal world with these effects in it; one that nothing is known of changes nothing.
     fn numbers(&self, planted: &[Planted]) -> Vec<f64>;
 
+    /// Whether it is known what effects on motion make of one another, and not only what each does by itself.
+    fn knows_motion_together(&self) -> bool {
+        false
+    }
+
     /// Whether it is known what a kind of effect changes.
     fn knows(&self, variant: &Variant) -> bool;
 

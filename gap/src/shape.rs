@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use asami_math::elementary::{sin, sin_cos};
+use asami_math::elementary::{cos, sin, sin_cos};
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{Attempt, Columns};
@@ -107,7 +107,7 @@ impl Shape {
         match group {
             Numbers::Motion => 3 * self.columns.len(),
             Numbers::MotionNoise => 3 * (CHANGING + 1),
-            Numbers::Size => self.curve_width() + 3,
+            Numbers::Size => self.curve_width() + 3 + usize::from(self.ranges),
             Numbers::Bearing => 6,
             // Of a single landmark the place cannot be told from the robot's own.
             Numbers::Moved if self.landmarks > 1 => 2 * self.landmarks,
@@ -171,9 +171,12 @@ impl Shape {
         let [right, forward, turn] = sight.attempt;
         let extra = self.curve_width();
         let off = self.inside(sight.off_rad);
-        columns[extra] = off * off * self.off_scale(d);
+        columns[extra] = self.off_square(off)[0] * self.off_scale(d);
         columns[extra + 1] = (right * right + forward * forward + turn * turn).sqrt();
         columns[extra + 2] = fall * (forward * cos_b - right * sin_b);
+        if self.ranges {
+            columns[extra + 3] = d * sin_b;
+        }
     }
 
     /// Columns, the size's first and then the bearing's, that hang on the angle off the image's centre, with how large their
@@ -221,8 +224,19 @@ impl Shape {
             return [0.0; 2];
         }
         let of_bearing = bearing[1] + 3.0 * off * off * bearing[2];
-        let scale = self.off_scale(sight.distance_m.max(0.05));
-        [2.0 * off * scale * size[self.curve_width()], of_bearing]
+        let (d, extra) = (sight.distance_m.max(0.05), self.curve_width());
+        let of_skew = if self.ranges { d * cos(sight.bearing_rad) * size[extra + 3] } else { 0.0 };
+        [self.off_square(off)[1] * self.off_scale(d) * size[extra] + of_skew, of_bearing]
+    }
+
+    /// The square of an angle off the axis, as far as a lens or a depth makes it one, and its slope: a depth falls short of a range
+    /// by twice what the cosine does of 1.
+    fn off_square(&self, off_rad: f64) -> [f64; 2] {
+        if !self.ranges {
+            return [off_rad * off_rad, 2.0 * off_rad];
+        }
+        let (sin, cos) = sin_cos(off_rad);
+        [2.0 * (1.0 - cos), 2.0 * sin]
     }
 
     /// The density of sightings of something else, which may be anywhere in view, as far away as anything;

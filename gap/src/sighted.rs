@@ -106,6 +106,10 @@ impl Judge for Sighted<'_> {
         self.library.numbers(planted)
     }
 
+    fn knows_motion_together(&self) -> bool {
+        self.library.knows_motion_together()
+    }
+
     /// Where nobody knows what was missed, an effect by which more is missed does not show.
     fn knows(&self, variant: &Variant) -> bool {
         let shows = self.view.misses || variant.about.name != MISSES;

@@ -133,6 +133,8 @@ pub struct EyeKnobs {
     pub range_ratio: f64,
     /// What ranges have on top.
     pub range_offset_m: f64,
+    /// What ranges have on top at right angles to the left, as a share of them; else by the sine of the bearing.
+    pub range_skew: f64,
     /// How much of the way from the range, which is what is asked for, to the depth along the sensor's axis is reported.
     pub depth_share: f64,
 }
@@ -149,6 +151,7 @@ impl Default for EyeKnobs {
             noise_ratio: 1.0,
             range_ratio: 1.0,
             range_offset_m: 0.0,
+            range_skew: 0.0,
             depth_share: 0.0,
         }
     }

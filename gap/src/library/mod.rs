@@ -181,6 +181,12 @@ impl Library {
         self.entries.iter().find(|entry| entry.kind == name)
     }
 
+    /// Whether effects on motion pass through one another; what else is of several at once is added up.
+    #[must_use]
+    pub fn knows_motion_together(&self) -> bool {
+        Passing::new(&self.base.shape.columns, &self.base.numbers).is_some()
+    }
+
     /// The response with these effects in it; one that the library does not know changes nothing.
     #[must_use]
     pub fn numbers(&self, planted: &[Planted]) -> Vec<f64> {

@@ -90,6 +90,10 @@ impl Judge for Crossed<'_> {
         self.first().numbers(planted)
     }
 
+    fn knows_motion_together(&self) -> bool {
+        self.first().knows_motion_together()
+    }
+
     fn knows(&self, variant: &Variant) -> bool {
         self.first().knows(variant)
     }

@@ -53,6 +53,8 @@ pub struct Least {
     /// One that adds less than this share to what all of its kind explain, the robot's motion or what its sensor makes of it:
     /// the response to a large effect is not known to the last nat, and small ones would make up for what it is off.
     pub share: f64,
+    /// The share for motion of which it is known what effects make of one another.
+    pub share_together: f64,
     /// Whether of two ways in which commands come late one is enough: a log hardly tells a lag behind a delay from either.
     pub late_once: bool,
 }
@@ -72,7 +74,8 @@ impl Least {
         let moves = |it: &Planted| matches!(it.variant.place(), Place::Actuation | Place::Dynamics);
         let Some(last) = all.last() else { return self.nats };
         let others: Vec<Planted> = all.iter().filter(|it| moves(it) != moves(last)).cloned().collect();
-        self.nats.max(self.share * (likely - judge.log_likelihood(&others)))
+        let share = if moves(last) && judge.knows_motion_together() { self.share_together } else { self.share };
+        self.nats.max(share * (likely - judge.log_likelihood(&others)))
     }
 }
 
@@ -277,7 +280,7 @@ mod tests {
     use super::*;
     use crate::straight::Straight;
 
-    const LEAST: Least = Least { nats: 5.0, share: 0.0, late_once: true };
+    const LEAST: Least = Least { nats: 5.0, share: 0.0, share_together: 0.0, late_once: true };
 
     /// What gains more than another effect, but all of it in two blocks of twenty, neither takes its place nor has it dropped.
     #[test]

@@ -38,7 +38,7 @@ const ROUNDS: usize = 4;
 const LOOKING: usize = 2;
 /// Ten to one are against each further effect, and nine to one have to be for it: 4.5 nats. What adds less than this share may as
 /// well be what the nominal world's own shape, or the library, is off.
-const LEAST: Least = Least { nats: 5.0, share: 0.01, late_once: true };
+const LEAST: Least = Least { nats: 5.0, share: 0.01, share_together: 0.0005, late_once: true };
 /// Where nothing in the list explains anything, there is a gap all the same if a flexible block has so much evidence.
 const UNEXPLAINED_NATS: f64 = 10.0;
 /// Where more of the gap than this remains with every effect in, something is unknown.

@@ -30,6 +30,7 @@ pub mod range_bias;
 pub mod range_noise;
 pub mod range_offset;
 pub mod range_scale;
+pub mod range_skew;
 pub mod road_grade;
 pub mod rolling_resistance;
 pub mod servo_latency;
@@ -138,6 +139,7 @@ effects! {
     image_delay => ImageDelay,
     height_bias => HeightBias,
     range_scale => RangeScale,
+    range_skew => RangeSkew,
     range_offset => RangeOffset,
     depth_for_range => DepthForRange,
     vision_noise => VisionNoise,

@@ -132,13 +132,13 @@ fn window(track: &[TruePose], from_s: f64) -> Option<Window> {
 mod tests {
     use asami_dataset::log::RangeBearing;
     use asami_dataset::{Action, Beacon, Command, Known, Log, Sighting, Size, Truth};
-    use asami_math::elementary::{cos, hypot};
+    use asami_math::elementary::hypot;
 
     use super::*;
 
     /// A robot that goes 0.9 times as fast as told, and slower in turns, turns 0.8 times as fast, bends to the left by 0.05
-    /// rad a metre, and does so some time late; its camera reports depths, 2 % and 0.1 m too long, 0.02 rad to the left;
-    /// the capture has it look `markers_rad` to the left of where it goes.
+    /// rad a metre, and does so some time late; its camera reports depths, 2 % and 0.1 m too long, along an axis that
+    /// is turned by 0.03 rad, 0.02 rad to the left; the capture has it look `markers_rad` to the left of where it goes.
     fn log(delay_s: f64, markers_rad: f64) -> Dataset {
         let command = |i: i32| {
             let t_s = 2.5 * f64::from(i);
@@ -167,7 +167,8 @@ mod tests {
             let (dx, dy) = (landmark.x_m - pose.x_m + 0.2 * sin, landmark.y_m - pose.y_m - 0.2 * cos_theta);
             let bearing_rad = wrap_rad(atan2(-dx, dy) - pose.theta_rad);
             if i % 50 == 0 && bearing_rad.abs() < 1.0 {
-                let size = Size::RangeM(0.1 + 1.02 * hypot(dx, dy) * cos(bearing_rad));
+                let (to_the_left, ahead) = sin_cos(bearing_rad);
+                let size = Size::RangeM(0.1 + 1.02 * hypot(dx, dy) * (ahead - 0.03 * to_the_left));
                 sightings.push(Sighting { t_s: pose.t_s, landmark: 7, size, bearing_rad: bearing_rad + 0.02 });
             }
         }
@@ -193,6 +194,7 @@ mod tests {
         near("range_scale.ratio", 1.02, 1e-6);
         near("range_offset.offset_m", 0.1, 1e-6);
         near("depth_for_range.share", 1.0, 1e-6);
+        near("range_skew.share", -0.03, 1e-6);
         near("pan_offset.offset_rad", 0.02, 1e-4);
         let less = capture(&log(0.3, 0.0), 0.03).values["wheel_lag.lag_s"];
         near("wheel_lag.lag_s", less + 0.03, 1e-9);

@@ -3,16 +3,19 @@
 use asami_dataset::truth::pose_at;
 use asami_dataset::{Dataset, Size};
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, cos, hypot, sin_cos};
+use asami_math::elementary::{atan2, hypot, sin_cos};
 use asami_math::statistics::median;
 
 use super::{Capture, LEAST, OUTLIER, ROUNDS};
 
-/// Ranges against distances and depths, bearings against bearings from where ahead is.
+/// What a range hangs on: an offset, the distance, what a depth lacks of it, how far a landmark lies to the left.
+type Row = [f64; 4];
+
+/// Ranges against distances, depths and what lies to the left, bearings against bearings from where ahead is.
 pub(super) fn sightings(dataset: &Dataset, ahead_rad: f64, capture: &mut Capture) {
     let log = &dataset.log;
     let [right_m, ahead_m] = log.known.range_bearing.as_ref().map_or([0.0; 2], |it| it.sensor_origin_m);
-    let rows: Vec<([f64; 3], f64, f64)> = log
+    let rows: Vec<(Row, f64, f64)> = log
         .sightings
         .iter()
         .filter_map(|seen| {
@@ -24,19 +27,21 @@ pub(super) fn sightings(dataset: &Dataset, ahead_rad: f64, capture: &mut Capture
             let dx = landmark.x_m - pose.x_m - right_m * cos_theta + ahead_m * sin;
             let dy = landmark.y_m - pose.y_m - right_m * sin - ahead_m * cos_theta;
             let (distance_m, bearing_rad) = (hypot(dx, dy), wrap_rad(atan2(-dx, dy) - theta_rad));
-            let shortened_m = distance_m * (1.0 - cos(bearing_rad));
-            Some(([1.0, distance_m, -shortened_m], range_m, wrap_rad(seen.bearing_rad - bearing_rad)))
+            let (sin_bearing, cos_bearing) = sin_cos(bearing_rad);
+            let shortened_m = distance_m * (1.0 - cos_bearing);
+            let to_the_left_m = distance_m * sin_bearing;
+            Some(([1.0, distance_m, -shortened_m, to_the_left_m], range_m, wrap_rad(seen.bearing_rad - bearing_rad)))
         })
         .collect();
     if rows.len() < LEAST {
         return;
     }
-    let mut kept: Vec<&([f64; 3], f64, f64)> = rows.iter().collect();
-    let mut found = [0.0, 1.0, 0.0];
+    let mut kept: Vec<&(Row, f64, f64)> = rows.iter().collect();
+    let mut found = [0.0, 1.0, 0.0, 0.0];
     for _ in 0..ROUNDS {
         let Some(solved) = least_squares(kept.iter().map(|row| (row.0, row.1))) else { return };
         found = solved;
-        let off = |row: &([f64; 3], f64, f64)| (row.1 - (0..3).fold(0.0, |sum, k| sum + found[k] * row.0[k])).abs();
+        let off = |row: &(Row, f64, f64)| (row.1 - row.0.iter().zip(found).fold(0.0, |sum, (x, k)| sum + k * x)).abs();
         let usual = median(&rows.iter().map(off).collect::<Vec<f64>>()).unwrap_or(0.0);
         kept = rows.iter().filter(|row| off(row) <= OUTLIER * usual).collect();
     }
@@ -46,22 +51,24 @@ pub(super) fn sightings(dataset: &Dataset, ahead_rad: f64, capture: &mut Capture
         ("range_offset.offset_m", found[0]),
         ("range_scale.ratio", found[1]),
         ("depth_for_range.share", found[2] / found[1]),
+        ("range_skew.share", found[3] / found[1]),
         ("pan_offset.offset_rad", offset_rad),
     ];
     capture.values.extend(values.map(|(name, value)| (name.to_owned(), value)));
 }
 
-/// The solution of the normal equations in three unknowns; a column that is always 0 has none, and counts nothing.
-fn least_squares(rows: impl Iterator<Item = ([f64; 3], f64)>) -> Option<[f64; 3]> {
-    let mut a = vec![vec![0.0; 3]; 3];
-    let mut b = vec![0.0; 3];
+/// The solution of the normal equations; a column that is always 0 has none, and counts nothing.
+fn least_squares(rows: impl Iterator<Item = (Row, f64)>) -> Option<Row> {
+    let n = Row::default().len();
+    let mut a = vec![vec![0.0; n]; n];
+    let mut b = vec![0.0; n];
     for (row, y) in rows {
-        for i in 0..3 {
+        for i in 0..n {
             b[i] += row[i] * y;
-            (0..3).for_each(|j| a[i][j] += row[i] * row[j]);
+            (0..n).for_each(|j| a[i][j] += row[i] * row[j]);
         }
     }
-    (0..3).filter(|i| a[*i][*i] < 1e-9).collect::<Vec<_>>().into_iter().for_each(|i| a[i][i] = 1.0);
+    (0..n).filter(|i| a[*i][*i] < 1e-9).collect::<Vec<_>>().into_iter().for_each(|i| a[i][i] = 1.0);
     let l = asami_math::decomposition::cholesky(&a)?;
     let solved = asami_math::decomposition::cholesky_solve(&l, &b);
     solved.try_into().ok()

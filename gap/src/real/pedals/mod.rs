@@ -31,7 +31,7 @@ const WORLDS: usize = 2;
 /// In each of them noise is learned, and effects are named, so often.
 const ROUNDS: usize = 3;
 /// What adds less may as well be what the nominal car's own shape, or the superposition of effects, is off.
-const LEAST: Least = Least { nats: 10.0, share: 0.003, late_once: false };
+const LEAST: Least = Least { nats: 10.0, share: 0.003, share_together: 0.003, late_once: false };
 /// Fewer steps do not say how what is left scatters; fewer show nothing.
 const LEAST_KEPT: usize = 60;
 const LEAST_SCORED: usize = 100;

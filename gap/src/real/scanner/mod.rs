@@ -31,7 +31,7 @@ use lasers::Laser;
 use seen::Seen;
 
 /// What is less evident, or adds less, may as well be the street's.
-const LEAST: Least = Least { nats: 10.0, share: 0.01, late_once: false };
+const LEAST: Least = Least { nats: 10.0, share: 0.01, share_together: 0.01, late_once: false };
 /// How loud chance is hangs on what is put into the table, and that on how loud it is.
 const ROUNDS: usize = 2;
 

@@ -2,7 +2,7 @@
 
 use asami_dataset::{Beacon, Rng, Sighting, Size, TruePose};
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, cos, exp, hypot, sin_cos, tan};
+use asami_math::elementary::{atan2, cos, exp, hypot, sin, sin_cos, tan};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -49,8 +49,8 @@ impl Sight {
         rng: &mut Rng,
     ) -> Vec<Sighting> {
         let [old, new] = [self.lasting_share, 1.0 - self.lasting_share].map(f64::sqrt);
-        let (sin, cos_theta) = sin_cos(pose.theta_rad);
-        let (x_m, y_m) = (pose.x_m - self.ahead_m * sin, pose.y_m + self.ahead_m * cos_theta);
+        let (sin_theta, cos_theta) = sin_cos(pose.theta_rad);
+        let (x_m, y_m) = (pose.x_m - self.ahead_m * sin_theta, pose.y_m + self.ahead_m * cos_theta);
         let sightings = beacons.iter().zip(&lasting.off).filter_map(|(beacon, off)| {
             let [white, bearing_noise]: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(rng));
             let range_noise = old * off + new * white;
@@ -63,7 +63,8 @@ impl Sight {
             let seen = (self.near_m..=self.far_m).contains(&distance_m) && read_rad.abs() <= 0.5 * self.view_rad;
             (recognised && seen).then(|| {
                 // From the sensor itself, or only along its axis.
-                let measured_m = distance_m * (1.0 - eye.depth_share * (1.0 - cos(bearing_rad)));
+                let lacks = eye.depth_share * (1.0 - cos(bearing_rad)) - eye.range_skew * sin(bearing_rad);
+                let measured_m = distance_m * (1.0 - lacks);
                 // By how large it is in the image.
                 let measured_m = measured_m / eye.focal_ratio;
                 let range_m = measured_m * eye.range_ratio + eye.range_offset_m;

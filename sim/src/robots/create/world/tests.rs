@@ -170,6 +170,11 @@ fn ranges_and_bearings_are_the_sensors() {
     let longer = last(&drive(&config, &longer, turned, 6.0));
     let aside_m = longer.size.value() * tan(longer.bearing_rad);
     assert!((longer.size.value() - depth / 1.1).abs() < 1e-9 && (aside_m - depth * tan(bearing_rad)).abs() < 1e-9);
+    // Of depths, along an axis that is turned.
+    let turned_axis = effects(&[("range_skew", "share", -0.04), ("depth_for_range", "share", 1.0)]);
+    let along_m = range_m * asami_math::elementary::cos(bearing_rad + 0.04);
+    let skewed = last(&drive(&config, &turned_axis, turned, 6.0));
+    assert!((skewed.size.value() / along_m - 1.0).abs() < 1e-3 && (depth / along_m - 1.0).abs() > 0.01);
     assert!((with("range_scale", "ratio", 1.05).size.value() - 1.05 * range_m).abs() < 1e-9);
     assert!((with("range_offset", "offset_m", -0.1).size.value() - (range_m - 0.1)).abs() < 1e-9);
     assert!((with("pan_offset", "offset_rad", 0.1).bearing_rad - (bearing_rad + 0.1)).abs() < 1e-9);
