@@ -235,7 +235,7 @@ fn folds_of_one_noise_are_one_log() {
         assert!(beside.abs() < 1e-6 || crossed.beside(&nominal, &pace) < pace.total() - 60.0, "{beside}");
     }
     assert_eq!(crossed.regimes(), whole.regimes());
-    let found = layers(&crossed, &variants(), Least { nats: 10.0, share: 0.0, late_once: true });
+    let found = layers(&crossed, &variants(), Least { nats: 10.0, share: 0.0, share_together: 0.0, late_once: true });
     assert_eq!(of_layers(&found).len(), 1, "{found:?}");
 }
 

@@ -7,6 +7,7 @@ pub mod folds;
 pub mod layers;
 mod noise;
 pub mod pedals;
+mod ridge;
 pub mod scanner;
 mod starts;
 mod unsure;

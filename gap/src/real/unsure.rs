@@ -6,30 +6,14 @@
 //! law: the top may be anywhere on it, and says nothing. Of what is believed the middle counts.
 
 use asami_dataset::Seed;
-use asami_math::elementary::ln;
-use rand::RngExt;
-use rand_distr::StandardNormal;
 
+use super::ridge::Ridge;
 use crate::judge::Judge;
-use crate::newton::Curvature;
 use crate::plant::Planted;
 
-/// Scores are differences over such a share of a size.
-const DIFFERENCE: f64 = 0.05;
-/// How curved the likelihood is is looked at over about a standard deviation, as a share of a size from the least to the greatest:
-/// over less, what a reading errs by in the last digits would count.
-const AROUND: [f64; 2] = [0.02, 0.5];
 /// What a real robot and its sensor err by hangs together for seconds, whatever the filter makes of it: what is said of an
 /// effect is weighed by blocks of this length.
 const BLOCK_S: f64 = 20.0;
-/// Curvature, by shares of a size, of what hardly bends.
-const NEXT_TO_NOTHING: f64 = 1e-6;
-/// Steps of the random walk among sizes.
-const WALK: usize = 60_000;
-/// Its first ones, which do not count.
-const FIRST: usize = 2_000;
-/// The lengths of its steps, over those that suit a Gaussian (Gelman, Roberts and Gilks 1996): shorter ones for a corner of the laws.
-const STEPS: [f64; 3] = [1.0, 0.3, 0.1];
 
 /// What is believed of a size.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,10 +38,11 @@ pub fn blocks(judge: &dyn Judge) -> Vec<usize> {
 /// What is believed of the sizes of effects, given about where a log is likeliest.
 #[must_use]
 pub fn believed(judge: &dyn Judge, all: &[Planted]) -> Vec<Believed> {
-    let Some(ridge) = Ridge::about(judge, all) else {
+    let Some(ridge) = Ridge::about(judge, all, blocks(judge)) else {
         let law = |it: &Planted| Believed { size: it.size, interval: it.variant.sizes().into() };
         return all.iter().map(law).collect();
     };
+    let ridge = ridge.looked_at(judge, all);
     let mut walked = ridge.walk(Seed(0));
     let of = |(sizes, middle): (&mut Vec<f64>, &f64)| {
         sizes.sort_by(f64::total_cmp);
@@ -67,131 +52,9 @@ pub fn believed(judge: &dyn Judge, all: &[Planted]) -> Vec<Believed> {
     walked.iter_mut().zip(&ridge.middle).map(of).collect()
 }
 
-/// A likelihood that bends as a Gaussian does, and the laws of the sizes. Sizes are counted in those of its middle.
-struct Ridge {
-    /// Sizes, somewhere within the laws.
-    middle: Vec<f64>,
-    /// How it bends.
-    curvature: Curvature,
-    /// The same, with each law's width for a standard deviation besides: how long steps among sizes are.
-    stride: Curvature,
-    /// Where it is greatest, be it beyond the laws.
-    top: Vec<f64>,
-    /// By how much more widely than that sizes scatter.
-    wider: Vec<f64>,
-    /// The laws' ends.
-    laws: Vec<[f64; 2]>,
-}
-
-impl Ridge {
-    /// The likelihood about these sizes; `None` where it is not finite.
-    fn about(judge: &dyn Judge, all: &[Planted]) -> Option<Self> {
-        let terms = |all: &[Planted], by: &[(usize, f64)]| {
-            let mut there = all.to_vec();
-            by.iter().for_each(|(i, by)| there[*i].size *= 1.0 + by);
-            judge.terms(&judge.numbers(&there))
-        };
-        let near: Vec<Planted> = all.iter().map(|it| inside(it, DIFFERENCE)).collect();
-        let score = |i: usize| -> Vec<f64> {
-            let [above, below] = [DIFFERENCE, -DIFFERENCE].map(|by| terms(&near, &[(i, by)]));
-            above.iter().zip(&below).map(|(above, below)| (above - below) / (2.0 * DIFFERENCE)).collect()
-        };
-        let scores: Vec<Vec<f64>> = (0..all.len()).map(score).collect();
-        let by_scores = Curvature::new(&scores, NEXT_TO_NOTHING)?;
-        let around: Vec<f64> =
-            by_scores.variances().into_iter().map(|it| it.sqrt().clamp(AROUND[0], AROUND[1])).collect();
-        let middle: Vec<Planted> = all.iter().zip(&around).map(|(it, by)| inside(it, *by)).collect();
-        let likely = |by: &[(usize, f64)]| terms(&middle, by).into_iter().fold(0.0, |sum, it| sum + it);
-        let (slope, bent) = bent(likely, &around);
-        // Where it bends upwards somewhere, the scores say how curved it is.
-        let curvature = Curvature::of(&bent).unwrap_or(by_scores);
-        let scattered = curvature.variances_by_block(&scores, &blocks(judge));
-        // Blocks are few: that errors in one made up for one another is not believed.
-        let wider =
-            scattered.iter().zip(curvature.variances()).map(|(scattered, bent)| (scattered / bent).max(1.0).sqrt());
-        let law = |it: &Planted| {
-            let (least, greatest) = it.variant.sizes();
-            [least / it.size, greatest / it.size]
-        };
-        let laws: Vec<[f64; 2]> = middle.iter().map(law).collect();
-        let widths = laws.iter().map(|[least, greatest]| (greatest - least).max(1e-9).powi(-2));
-        Some(Self {
-            stride: curvature.with(&widths.collect::<Vec<_>>())?,
-            top: curvature.step(&slope).into_iter().map(|step| 1.0 + step).collect(),
-            wider: wider.collect(),
-            curvature,
-            laws,
-            middle: middle.into_iter().map(|it| it.size).collect(),
-        })
-    }
-
-    /// Logarithm of the density of what is believed, less what is the same everywhere: laws are even in a size's logarithm.
-    fn density(&self, sizes: &[f64]) -> f64 {
-        let within = sizes.iter().zip(&self.laws).all(|(size, [least, greatest])| (least..=greatest).contains(&size));
-        if !within {
-            return f64::NEG_INFINITY;
-        }
-        let off = sizes.iter().zip(&self.top).zip(&self.wider).map(|((size, top), wider)| (size - top) / wider);
-        let squares = self.curvature.squared(&off.collect::<Vec<_>>());
-        -0.5 * squares - sizes.iter().fold(0.0, |sum, size| sum + ln(*size))
-    }
-
-    /// Sizes as they are believed: of each where a random walk among all comes by (Metropolis et al. 1953).
-    fn walk(&self, seed: Seed) -> Vec<Vec<f64>> {
-        let mut rng = seed.stream("sizes as they are believed");
-        let mut here = vec![1.0; self.middle.len()];
-        let mut density = self.density(&here);
-        let mut walked = vec![Vec::with_capacity(WALK); here.len()];
-        let suits = 2.38 / (here.len() as f64).sqrt();
-        for step in 0..FIRST + WALK {
-            let standard: Vec<f64> = here.iter().map(|_| rng.sample(StandardNormal)).collect();
-            let by = self.stride.drawn(&standard);
-            let long = suits * STEPS[step % STEPS.len()];
-            let there: Vec<f64> =
-                here.iter().zip(by.iter().zip(&self.wider)).map(|(at, (by, wider))| at + long * wider * by).collect();
-            let of_there = self.density(&there);
-            if ln(rng.random::<f64>()) < of_there - density {
-                (here, density) = (there, of_there);
-            }
-            if step >= FIRST {
-                walked.iter_mut().zip(&here).for_each(|(walked, at)| walked.push(*at));
-            }
-        }
-        walked
-    }
-}
-
-/// The slope, and minus the second derivatives, of what is `likely` where some are changed by so much, over so much `around`.
-fn bent(likely: impl Fn(&[(usize, f64)]) -> f64, around: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
-    let here = likely(&[]);
-    let sides = |i: usize, j: Option<usize>| {
-        let by = |side: f64| [Some(i), j].into_iter().flatten().map(|k| (k, side * around[k])).collect::<Vec<_>>();
-        [likely(&by(1.0)) - here, likely(&by(-1.0)) - here]
-    };
-    let alone: Vec<[f64; 2]> = (0..around.len()).map(|i| sides(i, None)).collect();
-    let both: Vec<f64> = alone.iter().map(|[above, below]| above + below).collect();
-    let slope = alone.iter().zip(around).map(|([above, below], by)| (above - below) / (2.0 * by)).collect();
-    let mut bent = vec![vec![0.0; around.len()]; around.len()];
-    for i in 0..around.len() {
-        bent[i][i] = -both[i] / (around[i] * around[i]);
-        for j in 0..i {
-            let [above, below] = sides(i, Some(j));
-            bent[i][j] = -(above + below - both[i] - both[j]) / (2.0 * around[i] * around[j]);
-            bent[j][i] = bent[i][j];
-        }
-    }
-    (slope, bent)
-}
-
-/// Where such a share of it more stays within the law.
-fn inside(it: &Planted, by: f64) -> Planted {
-    let (least, greatest) = it.variant.sizes();
-    Planted { size: it.size.min(greatest / (1.0 + by)).max(least), ..it.clone() }
-}
-
 #[cfg(test)]
 mod tests {
-    use asami_math::elementary::exp;
+    use asami_math::elementary::{exp, ln};
 
     use super::*;
     use crate::straight::Straight;
