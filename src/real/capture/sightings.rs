@@ -4,6 +4,7 @@ use asami_dataset::truth::pose_at;
 use asami_dataset::{Dataset, Size};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, hypot, sin_cos};
+use asami_math::regression::least_squares;
 use asami_math::statistics::median;
 
 use super::{Capture, LEAST, OUTLIER, ROUNDS};
@@ -39,7 +40,9 @@ pub(super) fn sightings(dataset: &Dataset, ahead_rad: f64, capture: &mut Capture
     let mut kept: Vec<&(Row, f64, f64)> = rows.iter().collect();
     let mut found = [0.0, 1.0, 0.0, 0.0];
     for _ in 0..ROUNDS {
-        let Some(solved) = least_squares(kept.iter().map(|row| (row.0, row.1))) else { return };
+        let counted = kept.iter().map(|row| (row.0.to_vec(), row.1));
+        let solved = least_squares(found.len(), counted).solve().and_then(|fit| Row::try_from(fit.coefficients).ok());
+        let Some(solved) = solved else { return };
         found = solved;
         let off = |row: &(Row, f64, f64)| (row.1 - row.0.iter().zip(found).fold(0.0, |sum, (x, k)| sum + k * x)).abs();
         let usual = median(&rows.iter().map(off).collect::<Vec<f64>>()).unwrap_or(0.0);
@@ -55,21 +58,4 @@ pub(super) fn sightings(dataset: &Dataset, ahead_rad: f64, capture: &mut Capture
         ("pan_offset.offset_rad", offset_rad),
     ];
     capture.values.extend(values.map(|(name, value)| (name.to_owned(), value)));
-}
-
-/// The solution of the normal equations; a column that is always 0 has none, and counts nothing.
-fn least_squares(rows: impl Iterator<Item = (Row, f64)>) -> Option<Row> {
-    let n = Row::default().len();
-    let mut a = vec![vec![0.0; n]; n];
-    let mut b = vec![0.0; n];
-    for (row, y) in rows {
-        for i in 0..n {
-            b[i] += row[i] * y;
-            (0..n).for_each(|j| a[i][j] += row[i] * row[j]);
-        }
-    }
-    (0..n).filter(|i| a[*i][*i] < 1e-9).collect::<Vec<_>>().into_iter().for_each(|i| a[i][i] = 1.0);
-    let l = asami_math::decomposition::cholesky(&a)?;
-    let solved = asami_math::decomposition::cholesky_solve(&l, &b);
-    solved.try_into().ok()
 }
