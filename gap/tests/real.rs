@@ -294,4 +294,13 @@ fn bearings_that_were_not_measured_say_nothing() {
     assert_ne!(said(&measured, 0.0).log_likelihoods, said(&measured, 2.0).log_likelihoods);
     let of_bearings = |it: &&asami_gap::judge::Innovation| it.channel == 1;
     assert!(said(&put_in, 0.0).innovations.iter().filter(of_bearings).all(|it| it.white == 0.0));
+    // No eye read them, however it is turned.
+    let turned = |log: &Log| {
+        let judge = library().judge(log).unwrap();
+        let mut numbers = judge.numbers(&[]);
+        numbers[library().base.shape.range(Numbers::Bearing).start] += 0.1;
+        judge.read(&numbers)
+    };
+    assert_eq!(said(&put_in, 0.0), turned(&put_in));
+    assert_ne!(said(&measured, 0.0).log_likelihoods, turned(&measured).log_likelihoods);
 }

@@ -126,7 +126,9 @@ impl Ready<'_> {
     /// the angle).
     fn share_seen(&mut self, view: &View, i: usize, landmark: usize, belief: &Belief, counts: Counts) -> f64 {
         let sight = self.sight(view, i, landmark, belief);
-        let off_rad = self.shape.off_read(&sight, &self.numbers[self.bearing.clone()], &mut self.bearing_columns);
+        let of_bearing = &self.numbers[self.bearing.clone()];
+        let aimed = view.aims.then(|| self.shape.off_read(&sight, of_bearing, &mut self.bearing_columns));
+        let off_rad = aimed.unwrap_or(sight.off_rad);
         let [_, off_sd] = self.uncertain(view, landmark, sight.distance_m, belief);
         let mut share = 0.0;
         for (step, weight) in [(0.0, 2.0 / 3.0), (3.0_f64.sqrt(), 1.0 / 6.0), (-(3.0_f64.sqrt()), 1.0 / 6.0)] {

@@ -325,11 +325,14 @@ impl<'a> Ready<'a> {
         let (for_size, for_bearing) = (&self.numbers[self.size.clone()], &self.numbers[self.bearing.clone()]);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
         let slope = dot(&slopes[..self.shape.curve_width()], for_size);
-        let expected = [dot(&self.size_columns, for_size), sight.bearing_rad + dot(&self.bearing_columns, for_bearing)];
+        let [size_by_off, bearing_by_off] = self.shape.off_slopes(sight, for_size, for_bearing);
+        // No eye, however it is turned, read a bearing that was put in.
+        let (read, bearing_by_off) =
+            if view.aims { (dot(&self.bearing_columns, for_bearing), bearing_by_off) } else { (0.0, 0.0) };
+        let expected = [dot(&self.size_columns, for_size), sight.bearing_rad + read];
         let d = sight.distance_m.max(0.05);
         let [ux, uy] = self.towards(view, sight.landmark, belief).map(|it| it / d);
         let [far, off] = by_pose([ux, uy], d, view.out(belief.mean.z).1);
-        let [size_by_off, bearing_by_off] = self.shape.off_slopes(sight, for_size, for_bearing);
         (expected, SMatrix::from_rows(&[slope * far + size_by_off * off, (1.0 + bearing_by_off) * off]))
     }
 }
