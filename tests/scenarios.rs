@@ -3,8 +3,8 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use asami::real;
 use asami::scenario::{self, Bad};
+use asami::{blind, real};
 use proptest::prelude::*;
 
 const AIBO: &str = include_str!("../scenarios/aibo_1d.toml");
@@ -35,6 +35,13 @@ fn every_shipped_scenario_is_read_and_expects_something() {
         // Those are read by `asami::blind` and `asami::real`.
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         if stem.starts_with("blind_") {
+            let expected = match (blind::scenario::read(&path), blind::pool::read(&path)) {
+                (Ok(Some(blind)), Ok(None)) => blind.asked.expect.len(),
+                (Ok(None), Ok(Some(pool))) => pool.asked.expect.len(),
+                (Err(bad), _) | (_, Err(bad)) => panic!("{}", shown(&bad)),
+                _ => 0,
+            };
+            assert!(expected > 0, "{} is no blind scenario, or expects nothing", path.display());
             continue;
         }
         if stem.starts_with("real") {

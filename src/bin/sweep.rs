@@ -12,7 +12,8 @@ use clap::Parser;
 /// Runs every trial of a scenario: logs across seeds, learners, starting models.
 ///
 /// Of a blind scenario (study = "blind"): plants effects in its nominal world, lets diagnosers see each log alone, and
-/// scores them. Of real logs (study = "real"): diagnoses each, and holds what is found against motion capture.
+/// scores them. Of a pool (study = "pooled"): scores finished blind sweeps together. Of real logs (study = "real"): diagnoses
+/// each, and holds what is found against motion capture.
 ///
 /// A stopped sweep goes on where it was. The table goes to stdout, everything else to stderr and DIR.
 #[derive(Parser)]
@@ -38,7 +39,7 @@ struct Arguments {
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
     /// The recorded data, instead of the scenario's `source`; of a blind scenario another program's cases, instead of its
-    /// `cases_from`
+    /// `cases_from`; of a pool where the sweeps' results lie [default: results]
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
 }
@@ -48,6 +49,9 @@ fn main() -> ExitCode {
     verb::main(|| {
         if let Some(blind) = blind::scenario::read(&arguments.scenario)? {
             return in_the_dark(blind, arguments);
+        }
+        if let Some(pool) = blind::pool::read(&arguments.scenario)? {
+            return in_one_pool(&pool, arguments);
         }
         if let Some(real) = real::scenario::read(&arguments.scenario)? {
             return of_real_robots(real, arguments);
@@ -90,6 +94,20 @@ fn in_the_dark(mut blind: blind::scenario::Blind, arguments: Arguments) -> Resul
     let outcome = report::blind::write(&results, &options.program, &options.out).map_err(verb::plain)?;
     verb::print(&outcome.text);
     eprintln!("written to {}", options.out.display());
+    Ok(if outcome.has_errors { verb::Ending::TrialErred } else { verb::Ending::Done })
+}
+
+/// Finished blind sweeps together: of the options, where they lie and where results go.
+fn in_one_pool(pool: &blind::pool::Pool, arguments: Arguments) -> Result<verb::Ending, miette::Report> {
+    if arguments.seeds.is_some() || !arguments.only.is_empty() {
+        miette::bail!("--seeds and --only are for the scenarios that {} pools", pool.name);
+    }
+    let swept = arguments.data.unwrap_or_else(|| PathBuf::from("results"));
+    let results = pool.gathered(&swept).map_err(verb::plain)?;
+    let out = arguments.output.unwrap_or_else(|| PathBuf::from("results").join(&pool.name));
+    let outcome = report::blind::write(&results, &manifest::program(), &out).map_err(verb::plain)?;
+    verb::print(&outcome.text);
+    eprintln!("written to {}", out.display());
     Ok(if outcome.has_errors { verb::Ending::TrialErred } else { verb::Ending::Done })
 }
 

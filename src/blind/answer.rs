@@ -3,6 +3,7 @@
 use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::{Cause, Verdict};
 use asami_gap::{Likelihood, Planted, Variant};
+use asami_math::elementary::exp;
 use serde::{Deserialize, Serialize};
 
 use super::next::Next;
@@ -24,6 +25,9 @@ pub struct Answer {
     pub probability: f64,
     /// Probability of the true cause.
     pub true_probability: f64,
+    /// The same by its evidence alone, every cause that was thought of as probable as any other beforehand.
+    #[serde(default)]
+    pub evidence_probability: Option<f64>,
     /// Whether the most probable cause is the truth or of its group.
     pub top_group_right: bool,
     /// Whether what was named is.
@@ -104,6 +108,7 @@ impl Key<'_> {
             verdict: diagnosis.verdict.name().to_owned(),
             probability: cause.map_or(0.0, |cause| cause.probability),
             true_probability: of_truth.fold(0.0, |sum, cause| sum + cause.probability),
+            evidence_probability: self.by_evidence(diagnosis),
             top_group_right: top.is_some_and(|top| self.is(&top.effects)),
             named_right: self.is(&named),
             in_set90: !in_set.is_empty(),
@@ -119,6 +124,14 @@ impl Key<'_> {
         };
         self.close(cause, &mut answer);
         answer
+    }
+
+    /// The truth's share of the evidence as it is.
+    fn by_evidence(&self, diagnosis: &Diagnosis) -> Option<f64> {
+        let most = diagnosis.which.iter().map(|cause| cause.evidence_nats).reduce(f64::max)?;
+        let share = |cause: &Cause| exp(cause.evidence_nats - most);
+        let of_truth = diagnosis.which.iter().filter(|cause| self.is(&cause.effects)).map(share);
+        Some(of_truth.fold(0.0, |sum, it| sum + it) / diagnosis.which.iter().map(share).fold(0.0, |sum, it| sum + it))
     }
 
     fn place_right(&self, cause: &Cause) -> Option<bool> {

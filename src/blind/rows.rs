@@ -11,15 +11,15 @@ pub const COLUMNS: &str = "scenario,diagnoser,case,effects_true,d_det,d_sep,verd
                            top_group_right,in_set90,set_size,place_right,parameter_error,excess_before,excess_after,\
                            closed,oracle_closed,effect_withheld,named_right,true_probability,parameter_covered,\
                            closed_claimed,behaves_like,sizes_true,groups_true,observations,d_each,next_nats,\
-                           again_nats,promised_nats,parameter_error_cr,error";
+                           again_nats,promised_nats,parameter_error_cr,evidence_probability,error";
 
 /// Every case of every diagnoser, by case and then by diagnoser.
 #[must_use]
 pub fn trials(results: &Results) -> String {
     let mut text = format!("{COLUMNS}\n");
-    for record in &results.records {
-        for (diagnoser, answer) in results.blind.asked.diagnosers.iter().zip(&record.answers) {
-            push(&mut text, &row(&results.blind.name, diagnoser, record, answer));
+    for (scenario, record) in results.cases() {
+        for (diagnoser, answer) in results.question.diagnosers.iter().zip(&record.answers) {
+            push(&mut text, &row(scenario, diagnoser, record, answer));
         }
     }
     text
@@ -77,6 +77,7 @@ fn row(scenario: &str, diagnoser: &str, record: &Record, answer: &Answer) -> Vec
         optional(answer.next.map(|next| next.again_nats)),
         optional(answer.next.and_then(|next| next.promised_nats)),
         optional(answer.parameter_error_cr),
+        optional(answer.evidence_probability),
         quoted(error),
     ]
 }
@@ -85,11 +86,10 @@ fn row(scenario: &str, diagnoser: &str, record: &Record, answer: &Answer) -> Vec
 #[must_use]
 pub fn timings(results: &Results) -> String {
     let mut text = String::from("scenario,case,diagnoser,wall_s\n");
-    let name = &results.blind.name;
-    for record in &results.records {
-        let case = record.number.to_string();
+    for (scenario, record) in results.cases() {
+        let (name, case) = (scenario.to_owned(), record.number.to_string());
         push(&mut text, &[name.clone(), case.clone(), String::new(), number(record.timing.log_s)]);
-        for (diagnoser, wall_s) in results.blind.asked.diagnosers.iter().zip(&record.timing.trials_s) {
+        for (diagnoser, wall_s) in results.question.diagnosers.iter().zip(&record.timing.trials_s) {
             push(&mut text, &[name.clone(), case.clone(), diagnoser.clone(), number(*wall_s)]);
         }
     }

@@ -137,6 +137,14 @@ pub enum Measure {
     ClosedLow,
     /// Mean distance between probability and share right, over ten bins of probability.
     CalibrationError,
+    /// How often answers of these probabilities that come true as often as they are said to are off by as much.
+    CalibrationP,
+    /// Mean logarithm of the truth's probability.
+    LogScore,
+    /// The same by the evidence as it is, every cause as probable as any other beforehand.
+    LogScoreEvidence,
+    /// The same by how often each truth is planted in these cases.
+    LogScoreFrequencies,
     /// Share of the ties, of which other commands are said to split them, that a log so driven splits: it speaks for the truth
     /// by three nats and more.
     NextSplits,

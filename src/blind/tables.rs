@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::answer::NONE;
 use super::scenario::{Expect, Measure};
 use super::tally::{
-    Asked, Measured, STRATA, Share, asked, calibration_by_chance, confusion, measure, named_word, power, reliability,
-    truth_word,
+    Asked, Measured, STRATA, Share, asked, asked_of, calibration_by_chance, confusion, measure, named_word, power,
+    reliability, truth_word,
 };
 use super::walk::Results;
 use crate::report::{Cell, RowKind, Table};
@@ -29,16 +29,19 @@ const MEASURED: [(Measure, &str, usize); 10] = [
 /// Every table with the name of its files.
 #[must_use]
 pub fn all(results: &Results) -> Vec<(String, Table)> {
-    let diagnosers = || results.blind.asked.diagnosers.iter().enumerate();
+    let diagnosers = || results.question.diagnosers.iter().enumerate();
     let mut tables = vec![("blind".to_owned(), strata(results)), ("none".to_owned(), without_effect(results))];
     tables.extend(diagnosers().map(|(i, name)| (format!("confusion_{name}"), matrix(results, i, name))));
+    if results.is_pool() {
+        tables.insert(2, ("worlds".to_owned(), worlds(results)));
+    }
     if !planted_alone(results).is_empty() {
         tables.push(("power".to_owned(), powers(results)));
     }
     if results.records.iter().any(|record| record.planted.len() > 1) {
         tables.push(("two".to_owned(), two_effects(results)));
     }
-    if results.blind.asked.next_experiment {
+    if results.question.next_experiment {
         tables.push(("next".to_owned(), next_logs(results)));
     }
     tables
@@ -59,7 +62,7 @@ fn strata(results: &Results) -> Table {
          the log allows, 0.67 / sqrt(2 D) of the size (and beside it by the bound of Cramer and Rao: the best there can be has 1 \
          in the median); what is named closes >= 0.95 of what the truth closes.",
     );
-    for (i, name) in results.blind.asked.diagnosers.iter().enumerate() {
+    for (i, name) in results.question.diagnosers.iter().enumerate() {
         for stratum in STRATA {
             let cases: Vec<Asked<'_>> = asked(results, i).filter(|it| it.is_planted() && stratum.holds(it)).collect();
             let mut cells = vec![name.as_str().into(), stratum.name.into(), Cell::number(cases.len() as f64, 0)];
@@ -93,13 +96,19 @@ fn without_effect(results: &Results) -> Table {
         "wrong where P >= 0.9, all cases",
         "calibration error",
         "by chance",
+        "as far by chance",
+        "log score",
+        "by evidence alone",
+        "by frequencies",
     ];
     let mut table = Table::new("No effect, and probabilities", &heads).caption(
         "How often a log of the nominal world is said to show a cause (good: <= 0.03), and over all cases how far \
          probabilities are from how often they come true, in ten bins (good: <= 0.04, or, where cases are few, no more than is \
-         to be expected by chance of probabilities that are just right).",
+         to be expected by chance of probabilities that are just right; as far by chance: how often such are off by as much, \
+         good: >= 0.05). Log score: the mean logarithm of the truth's probability, in nats, beside that of the evidence as it is and \
+         that of how often each truth is planted in these cases (good: greater than both).",
     );
-    for (i, name) in results.blind.asked.diagnosers.iter().enumerate() {
+    for (i, name) in results.question.diagnosers.iter().enumerate() {
         let all: Vec<Asked<'_>> = asked(results, i).collect();
         let none: Vec<Asked<'_>> = all.iter().filter(|it| !it.is_planted()).copied().collect();
         let listed: Vec<Asked<'_>> = all.iter().filter(|it| it.record.withheld.is_empty()).copied().collect();
@@ -112,8 +121,63 @@ fn without_effect(results: &Results) -> Table {
             cell(measure(Measure::ConfidentWrong, &all), 3),
             cell(measure(Measure::CalibrationError, &all), 3),
             cell(calibration_by_chance(&reliability(all.iter().copied())).into(), 3),
+            cell(measure(Measure::CalibrationP, &all), 3),
+            cell(measure(Measure::LogScore, &all), 2),
+            cell(measure(Measure::LogScoreEvidence, &all), 2),
+            cell(measure(Measure::LogScoreFrequencies, &all), 2),
         ];
         table = table.row(is_ours(name), cells);
+    }
+    table
+}
+
+/// A pool's scenarios, one by one.
+fn worlds(results: &Results) -> Table {
+    let heads = [
+        "diagnoser",
+        "scenario",
+        "cases",
+        "without effect",
+        "called anything else",
+        "from 10 nats on",
+        "top group right",
+        "in 90 % set",
+        "set size",
+        "closed / oracle's",
+        "wrong where P >= 0.9, all cases",
+        "calibration error",
+        "by chance",
+    ];
+    let mut table = Table::new("World by world", &heads).caption(
+        "The same, scenario by scenario: of the planted cases those whose log separates the truth by 10 nats and more, and what \
+         concerns all.",
+    );
+    for (i, name) in results.question.diagnosers.iter().enumerate() {
+        let mut first = 0;
+        for (scenario, count) in &results.of {
+            let numbers = first..first + count;
+            first += count;
+            let all: Vec<Asked<'_>> = results.records[numbers].iter().filter_map(|it| asked_of(it, i)).collect();
+            let none = all.iter().filter(|it| !it.is_planted()).count();
+            let far = |it: &&Asked<'_>| it.is_planted() && it.is_separated(10.0..f64::INFINITY);
+            let far: Vec<Asked<'_>> = all.iter().filter(far).copied().collect();
+            let cells = [
+                name.as_str().into(),
+                scenario.as_str().into(),
+                Cell::number(all.len() as f64, 0),
+                Cell::number(none as f64, 0),
+                cell(measure(Measure::NoneCalledElse, &all), 3),
+                Cell::number(far.len() as f64, 0),
+                cell(measure(Measure::TopGroupRight, &far), 3),
+                cell(measure(Measure::InSet90, &far), 3),
+                cell(measure(Measure::SetSize, &far), 2),
+                cell(measure(Measure::ClosedRatio, &far), 3),
+                cell(measure(Measure::ConfidentWrong, &all), 3),
+                cell(measure(Measure::CalibrationError, &all), 3),
+                cell(calibration_by_chance(&reliability(all.iter().copied())).into(), 3),
+            ];
+            table = table.row(is_ours(name), cells);
+        }
     }
     table
 }
@@ -134,7 +198,7 @@ fn two_effects(results: &Results) -> Table {
          of any size. Good: from 10 nats on both named in >= 0.8, and nothing that is not there in >= 0.9; of one in the \
          list and one that is not a wrong name with P >= 0.9 in <= 0.05.",
     );
-    for (i, name) in results.blind.asked.diagnosers.iter().enumerate() {
+    for (i, name) in results.question.diagnosers.iter().enumerate() {
         for stratum in STRATA {
             let is_in = |it: &Asked<'_>| stratum.holds_nats(it.reference.d_each);
             let cases: Vec<Asked<'_>> =
@@ -163,7 +227,7 @@ fn next_logs(results: &Results) -> Table {
          the old commands. Split: the log speaks for the truth by 3 nats and more. Good: >= 0.8 as advised, and more than \
          by old commands.",
     );
-    for (i, name) in results.blind.asked.diagnosers.iter().enumerate() {
+    for (i, name) in results.question.diagnosers.iter().enumerate() {
         let all: Vec<Asked<'_>> = asked(results, i).collect();
         let ties = all.iter().filter(|it| it.answer.next.is_some()).count();
         let of = |what: Measure| cell(measure(what, &all), 3);
@@ -193,10 +257,11 @@ fn matrix(results: &Results, i: usize, name: &str) -> Table {
     table
 }
 
-/// Every effect planted alone, in the catalogue's words.
+/// Every effect planted alone, in the catalogue's words; of a pool none, for one name has sizes of its own in each world.
 #[must_use]
 pub fn planted_alone(results: &Results) -> BTreeSet<String> {
-    let alone = results.records.iter().filter(|record| record.planted.len() == 1 && record.withheld.is_empty());
+    let records = if results.is_pool() { &[] } else { &results.records[..] };
+    let alone = records.iter().filter(|record| record.planted.len() == 1 && record.withheld.is_empty());
     alone.flat_map(|record| record.planted.clone()).filter(|name| name != NONE).collect()
 }
 
@@ -205,7 +270,7 @@ fn powers(results: &Results) -> Table {
     let mut table = Table::new("Power", &heads)
         .caption("How often an effect planted alone is the most probable cause, by its size (middle of the bin).");
     for effect in planted_alone(results) {
-        for (i, name) in results.blind.asked.diagnosers.iter().enumerate() {
+        for (i, name) in results.question.diagnosers.iter().enumerate() {
             for point in power(asked(results, i), &effect) {
                 let cells = [
                     effect.as_str().into(),
@@ -224,11 +289,11 @@ fn powers(results: &Results) -> Table {
 /// What came of every expected answer.
 #[must_use]
 pub fn verdicts(results: &Results) -> Vec<Verdict> {
-    results.blind.asked.expect.iter().map(|expect| verdict(results, expect)).collect()
+    results.question.expect.iter().map(|expect| verdict(results, expect)).collect()
 }
 
 fn verdict(results: &Results, expect: &Expect) -> Verdict {
-    let i = results.blind.asked.diagnosers.iter().position(|name| *name == expect.diagnoser);
+    let i = results.question.diagnosers.iter().position(|name| *name == expect.diagnoser);
     let is_asked = |it: &Asked<'_>| {
         let (least, most) = (expect.d_sep_min, expect.d_sep_max);
         let nats = least.unwrap_or(f64::NEG_INFINITY)..most.unwrap_or(f64::INFINITY);
@@ -265,6 +330,10 @@ fn head(measure: Measure) -> &'static str {
         Measure::ConfidentlyMisnamed => "given a wrong name with P >= 0.9",
         Measure::ClosedLow => "10th percentile of closed / oracle's",
         Measure::CalibrationError => "calibration error",
+        Measure::CalibrationP => "probabilities as far off by chance",
+        Measure::LogScore => "log score",
+        Measure::LogScoreEvidence => "log score by evidence alone",
+        Measure::LogScoreFrequencies => "log score by frequencies",
         Measure::NamedRight => "what is named is the truth",
         Measure::NothingElseNamed => "nothing named that is not there",
         Measure::NextSplits => "ties that the advised log splits",

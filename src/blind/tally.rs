@@ -7,6 +7,7 @@ use super::answer::{Answer, NONE, UNKNOWN};
 use super::next::Next;
 use super::referee::Reference;
 use super::scenario::Measure;
+use super::scores;
 use super::walk::{Record, Results};
 
 /// One diagnoser's answer to one case that has a reference.
@@ -105,10 +106,14 @@ impl Stratum {
 /// The answers of the `i`-th diagnoser to all cases that could be judged; a log that it would not diagnose is an answer
 /// too, and right in nothing.
 pub fn asked(results: &Results, i: usize) -> impl Iterator<Item = Asked<'_>> + Clone {
-    results.records.iter().filter_map(move |record| {
-        let (reference, answer) = (record.reference.as_ref()?, record.answers.get(i)?);
-        Some(Asked { record, reference, answer })
-    })
+    results.records.iter().filter_map(move |record| asked_of(record, i))
+}
+
+/// That to one case.
+#[must_use]
+pub fn asked_of(record: &Record, i: usize) -> Option<Asked<'_>> {
+    let (reference, answer) = (record.reference.as_ref()?, record.answers.get(i)?);
+    Some(Asked { record, reference, answer })
 }
 
 /// Answers with a probability of so much are confident.
@@ -226,12 +231,11 @@ pub fn measure(measure: Measure, cases: &[Asked<'_>]) -> Measured {
             ratios.sort_by(f64::total_cmp);
             ratios.get(ratios.len() / 10).copied().into()
         }
-        Measure::CalibrationError => {
-            let bins = reliability(all().copied());
-            let n: u32 = bins.iter().map(|bin| bin.right.of).sum();
-            let off = |bin: &Bin| (bin.right.value().unwrap_or(0.0) - bin.probability).abs() * f64::from(bin.right.of);
-            (n > 0).then(|| bins.iter().map(off).fold(0.0, |sum, off| sum + off) / f64::from(n)).into()
-        }
+        Measure::CalibrationError => scores::calibration_error(&reliability(all().copied())).into(),
+        Measure::CalibrationP => scores::calibration_p(cases).into(),
+        Measure::LogScore => scores::of_answers(cases).into(),
+        Measure::LogScoreEvidence => scores::of_evidence(cases).into(),
+        Measure::LogScoreFrequencies => scores::of_frequencies(cases).into(),
         Measure::NextSplits => Share::over(followed(cases).map(|next| next.splits())).into(),
         Measure::AgainSplits => Share::over(followed(cases).map(|next| next.again_splits())).into(),
         Measure::NextBeatsAgain => Share::over(followed(cases).map(|next| next.advised_nats > next.again_nats)).into(),

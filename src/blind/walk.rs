@@ -14,7 +14,7 @@ use super::draw::{Case, Planting};
 use super::folder::{CannotOpen, Folder};
 use super::next;
 use super::referee::{self, Reference};
-use super::scenario::Blind;
+use super::scenario::{Asked, Blind, Expect};
 use crate::diagnose::limits::limits;
 use crate::scenario::Simulation;
 use crate::sweep::cases::Store;
@@ -75,13 +75,55 @@ impl Record {
 /// How [`panic_message`] begins.
 const PANICKED: &str = "panicked: ";
 
+/// What is asked of results, wherever they come from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    /// The scenario's name.
+    pub name: String,
+    /// Its question.
+    pub about: String,
+    /// Its hash.
+    pub hash: String,
+    /// Who was asked, in order.
+    pub diagnosers: Vec<String>,
+    /// Whether, where causes were tied, what was recorded next is told of.
+    pub next_experiment: bool,
+    /// The expected answers.
+    pub expect: Vec<Expect>,
+}
+
 /// Complete results, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Results {
     /// What was asked.
-    pub blind: Blind,
+    pub question: Question,
+    /// Scenarios of the cases, each with how many there are: one, or of a pool several.
+    pub of: Vec<(String, usize)>,
     /// One for each case.
     pub records: Vec<Record>,
+}
+
+impl Results {
+    /// Those of one blind scenario.
+    #[must_use]
+    pub fn new(blind: &Blind, records: Vec<Record>) -> Self {
+        let Asked { diagnosers, next_experiment, expect, .. } = blind.asked.clone();
+        let (name, about, hash) = (blind.name.clone(), blind.about.clone(), blind.hash());
+        let question = Question { name: name.clone(), about, hash, diagnosers, next_experiment, expect };
+        Self { question, of: vec![(name, records.len())], records }
+    }
+
+    /// Every record with the scenario that it is a case of.
+    pub fn cases(&self) -> impl Iterator<Item = (&str, &Record)> {
+        let names = self.of.iter().flat_map(|(name, count)| std::iter::repeat_n(name.as_str(), *count));
+        names.zip(&self.records)
+    }
+
+    /// Whether the cases are of several scenarios: what is asked of one world's effects is asked of none then.
+    #[must_use]
+    pub fn is_pool(&self) -> bool {
+        self.of.len() > 1
+    }
 }
 
 /// Why there are no results.
@@ -110,7 +152,7 @@ pub fn run(
         None => drawn(blind, contest, options, watcher)?,
         Some(folder) => foreign(blind, &folder, contest, options, watcher)?,
     };
-    Ok(Results { blind: blind.clone(), records })
+    Ok(Results::new(blind, records))
 }
 
 /// Cases drawn by the salt: each is simulated, diagnosed and scored at once.
@@ -199,13 +241,14 @@ fn each<R: Serialize + DeserializeOwned + Send>(
     })
 }
 
-fn name(number: usize) -> String {
+/// The file of a case in the folder of finished ones.
+pub(super) fn name(number: usize) -> String {
     format!("{number:05}")
 }
 
 impl Record {
     /// A case of which nothing is known yet.
-    fn blank(blind: &Blind, number: usize, planted: Vec<String>) -> Self {
+    pub(super) fn blank(blind: &Blind, number: usize, planted: Vec<String>) -> Self {
         let diagnosers = blind.asked.diagnosers.len();
         Self {
             number,

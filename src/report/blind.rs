@@ -28,13 +28,13 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
         write(&format!("{name}.md"), &table.markdown())?;
     }
     let cases = results.records.len();
-    let counts = (cases, cases * results.blind.asked.diagnosers.len());
-    let manifest = manifest::of((&results.blind.name, results.blind.hash()), counts, program);
+    let counts = (cases, cases * results.question.diagnosers.len());
+    let manifest = manifest::of((&results.question.name, results.question.hash.clone()), counts, program);
     manifest.write(out)?;
 
     let verdicts = tables::verdicts(results);
     let figures = figures(results);
-    let mut report = Report::new(&results.blind.name, &results.blind.about)
+    let mut report = Report::new(&results.question.name, &results.question.about)
         .answer(answer(results, &verdicts))
         .as_expected(verdict::all_hold(&verdicts));
     for (_, table) in tables.iter().filter(|(name, _)| !is_detail(name)) {
@@ -65,15 +65,15 @@ fn is_detail(table: &str) -> bool {
 }
 
 fn finished(results: &Results, tables: &[(String, Table)], verdicts: &[Verdict]) -> Finished {
-    let broken: Vec<&Record> = results.records.iter().filter(|record| record.is_broken()).collect();
+    let broken: Vec<(&str, &Record)> = results.cases().filter(|(_, record)| record.is_broken()).collect();
     let shown = tables.iter().filter(|(name, _)| !is_detail(name)).map(|(_, table)| format!("\n{}", table.markdown()));
-    let errors = broken.iter().map(|record| {
+    let errors = broken.iter().map(|(scenario, record)| {
         let error = record.answers.iter().map(|answer| &answer.error).find(|error| !error.is_empty());
-        format!("\nERROR: case {}: {}", record.number, error.unwrap_or(&record.error))
+        format!("\nERROR: {scenario}, case {}: {}", record.number, error.unwrap_or(&record.error))
     });
     let text = format!(
         "{}\n{}{}{}\n",
-        results.blind.about,
+        results.question.about,
         shown.collect::<String>(),
         verdict::text(verdicts),
         errors.collect::<String>()
@@ -83,7 +83,7 @@ fn finished(results: &Results, tables: &[(String, Table)], verdicts: &[Verdict])
 
 /// What came out, in two sentences.
 fn answer(results: &Results, verdicts: &[Verdict]) -> String {
-    let Some(name) = results.blind.asked.diagnosers.first() else { return String::new() };
+    let Some(name) = results.question.diagnosers.first() else { return String::new() };
     let separated: Vec<Asked<'_>> =
         asked(results, 0).filter(|it| it.is_planted() && it.is_separated(10.0..f64::INFINITY)).collect();
     let right = measure(Measure::TopGroupRight, &separated).share.unwrap_or_default();
@@ -107,7 +107,7 @@ fn bar(x: f64, share: Share) -> [f64; 4] {
 }
 
 fn figures(results: &Results) -> Vec<Figure> {
-    let diagnosers = || results.blind.asked.diagnosers.iter().enumerate();
+    let diagnosers = || results.question.diagnosers.iter().enumerate();
     let curve = |i: usize| reliability(asked(results, i)).iter().map(|bin| bar(bin.probability, bin.right)).collect();
     let reliability: Vec<curves::Bars> = diagnosers().map(|(i, name)| (name.clone(), curve(i))).collect();
     let dots = |i: usize| {
@@ -133,13 +133,17 @@ fn figures(results: &Results) -> Vec<Figure> {
 fn every_case(results: &Results) -> Section {
     let heads = ["case", "diagnoser", "planted", "D_sep", "verdict", "named", "P", "P of truth", "right", "error"];
     let mut table = Table::new("Every case", &heads).caption("Everything else is in `trials.csv`.");
-    for record in &results.records {
-        for (name, answer) in results.blind.asked.diagnosers.iter().zip(&record.answers) {
+    for (scenario, record) in results.cases() {
+        let case: Cell = match results.is_pool() {
+            true => format!("{scenario} {}", record.number).into(),
+            false => Cell::number(record.number as f64, 0),
+        };
+        for (name, answer) in results.question.diagnosers.iter().zip(&record.answers) {
             let planted = if record.planted.is_empty() { "none".to_owned() } else { record.planted.join("+") };
             let d_sep = record.reference.as_ref().and_then(|reference| reference.d_sep).unwrap_or(f64::NAN);
             let error = if record.error.is_empty() { &answer.error } else { &record.error };
             let cells: [Cell; 10] = [
-                Cell::number(record.number as f64, 0),
+                case.clone(),
                 name.as_str().into(),
                 planted.into(),
                 Cell::number(d_sep, 1),

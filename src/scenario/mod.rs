@@ -196,7 +196,7 @@ pub fn read(path: &Path) -> Result<Scenario, Bad> {
 pub fn parse(name: &str, shown: &str, text: &str) -> Result<Scenario, Bad> {
     let table = toml::de::DeTable::parse(text).map_err(|error| Bad::syntax(shown, text, &error))?;
     wire::check_schema(table.get_ref()).map_err(|fault| Bad::faults(shown, text, &table, &[fault]))?;
-    if let Some(study @ ("blind" | "real")) = wire::study(table.get_ref()) {
+    if let Some(study @ ("blind" | "pooled" | "real")) = wire::study(table.get_ref()) {
         let message = format!("study \"{study}\" has no learners: only `sweep` reads it");
         return Err(Bad::faults(shown, text, &table, &[Fault { path: "study".into(), message }]));
     }

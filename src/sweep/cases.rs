@@ -107,6 +107,13 @@ impl Store {
     }
 }
 
+/// What a sweep kept of a case under `out`, whichever program and scenario made it; `None` where that is nothing that can be read.
+#[must_use]
+pub fn kept<R: DeserializeOwned>(out: &Path, case: &str) -> Option<R> {
+    let bytes = std::fs::read(out.join("cases").join(format!("{case}.json"))).ok()?;
+    serde_json::from_slice::<Kept<R>>(&bytes).ok().map(|kept| kept.record)
+}
+
 /// Writes a file aside, then renames it.
 ///
 /// # Errors

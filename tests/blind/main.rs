@@ -2,6 +2,7 @@
 
 mod folder;
 mod next;
+mod scores;
 mod size;
 mod two;
 
@@ -243,7 +244,7 @@ fn record(planted: &[&str], named: &str, probability: f64, right: bool, d_sep: f
 }
 
 fn results(records: Vec<Record>) -> Results {
-    Results { blind: blind(ASKED), records }
+    Results::new(&blind(ASKED), records)
 }
 
 #[test]
