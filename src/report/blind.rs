@@ -19,6 +19,7 @@ use crate::sweep::{CannotSweep, Finished, manifest};
 /// # Errors
 /// If a file cannot be written.
 pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, CannotSweep> {
+    std::fs::create_dir_all(out).map_err(CannotSweep::file("make", out))?;
     let write = |name: &str, text: &str| write_whole(&out.join(name), text.as_bytes());
     write("trials.csv", &rows::trials(results))?;
     write("timings.csv", &rows::timings(results))?;
