@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use asami::real::scenario::Source;
 use asami::scenario::{self, Bad};
 use asami::{blind, real};
 use proptest::prelude::*;
@@ -51,8 +52,9 @@ fn every_shipped_scenario_is_read_and_expects_something() {
             };
             let (logs, all) = (read(&path), read(&path.with_file_name("real.toml")));
             assert!(all.len() >= 4 && !logs.is_empty(), "{stem}");
-            // A part of real.toml is no other question.
-            assert!(logs.iter().all(|log| all.contains(log)), "{stem}: {logs:?}");
+            // A part of real.toml is no other question; it may leave learning out.
+            let same = |log: &Source, it: &Source| it == log || Source { learned_in: None, ..it.clone() } == *log;
+            assert!(logs.iter().all(|log| all.iter().any(|it| same(log, it))), "{stem}: {logs:?}");
             continue;
         }
         match scenario::read(&path) {

@@ -1,10 +1,11 @@
-//! Odometry that stands in for commands: its noise is averaged away, and it is dated by when the robot was told.
+//! Odometry that stands in for commands: its noise is averaged away, and it is dated by when the robot was told; and frames that
+//! follow at once, which say little of their own.
 //!
 //! A speed that was measured is off by a noise of its own at every reading. Taken for what was commanded, it would make a
 //! robot seem to do less than it is told, the more so the shorter the time over which it is looked at (regression dilution,
 //! Spearman 1904); a robot's own speed changes slowly.
 
-use asami_dataset::{Action, Command, Log};
+use asami_dataset::{Action, Channel, Command, Frame, Log};
 
 /// The log with each wheel command the mean of those in force within `over_s` about it.
 #[must_use]
@@ -52,6 +53,30 @@ pub fn earlier(log: &Log, by_s: f64) -> Log {
     }
 }
 
+/// The log with at most one frame in so long, and what was seen in it. What is read in frames that follow at once is off alike, a
+/// clock that jitters, a scan that is told twice; taken for errors of each frame's own, it makes a robot seem to do less than it
+/// does.
+#[must_use]
+pub fn thinned(log: &Log, every_s: f64) -> Log {
+    let frames = log.frames.iter().flat_map(|frames| frames.iter()).map(|frame| frame.t_s);
+    let mut times_s: Vec<f64> = frames.chain(log.sightings.iter().map(|seen| seen.t_s)).collect();
+    times_s.sort_by(f64::total_cmp);
+    // Clocks are written to a few digits.
+    let far = |kept: Option<&f64>, t_s: f64| kept.is_none_or(|kept| t_s - kept > (1.0 - 1e-6) * every_s);
+    let mut kept_s: Vec<f64> = Vec::new();
+    for t_s in times_s {
+        if far(kept_s.last(), t_s) {
+            kept_s.push(t_s);
+        }
+    }
+    let kept = |t_s: f64| kept_s.binary_search_by(|it| it.total_cmp(&t_s)).is_ok();
+    let of_frames = |frames: &Channel<Frame>| -> Channel<Frame> {
+        frames.iter().filter(|frame| kept(frame.t_s)).copied().collect::<Vec<_>>().into()
+    };
+    let sightings = log.sightings.iter().filter(|seen| kept(seen.t_s)).copied();
+    Log { frames: log.frames.as_ref().map(of_frames), sightings: sightings.collect::<Vec<_>>().into(), ..log.clone() }
+}
+
 /// Speed and turning rate.
 fn wheels(action: &Action) -> [f64; 2] {
     match *action {
@@ -62,6 +87,8 @@ fn wheels(action: &Action) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use asami_dataset::Sighting;
+
     use super::*;
 
     fn log(speeds: impl Iterator<Item = f64>) -> Log {
@@ -102,5 +129,28 @@ mod tests {
         }
         assert_eq!((moved.commands.len(), moved.commands[0].t_s), (49, 0.0));
         assert_eq!(earlier(&Log::default(), 0.1), Log::default());
+    }
+
+    /// Of frames at ten a second one in half a second stays, with all that was seen in it; commands stay.
+    #[test]
+    fn one_frame_in_so_long_is_left() {
+        let t_s = |i: u16| f64::from(i) / 10.0;
+        let seen = |i: u16| {
+            let size = asami_dataset::Size::RangeM(1.0);
+            (0..2).map(move |landmark| Sighting { t_s: t_s(i), landmark, size, bearing_rad: 0.0 })
+        };
+        let given = Log {
+            frames: Some((0..31).map(|i| Frame { t_s: t_s(i), head_pan_rad: 0.0 }).collect::<Vec<_>>().into()),
+            // In one that would stay nothing is seen.
+            sightings: (0..31).filter(|i| *i != 10).flat_map(seen).collect::<Vec<_>>().into(),
+            ..log((0..30).map(f64::from))
+        };
+        let left = thinned(&given, 0.5);
+        let frames: Vec<f64> = left.frames.iter().flat_map(|it| it.iter()).map(|it| it.t_s).collect();
+        assert_eq!(frames, (0..7).map(|i| t_s(5 * i)).collect::<Vec<_>>());
+        assert_eq!((left.sightings.len(), left.commands.len()), (12, 30));
+        assert!(left.sightings.iter().all(|it| frames.contains(&it.t_s)));
+        assert_eq!(thinned(&given, 0.1), given);
+        assert_eq!(thinned(&Log::default(), 0.5), Log::default());
     }
 }

@@ -63,6 +63,8 @@ pub struct Source {
     pub average_s: Option<f64>,
     /// Odometry stands in for commands, and each reading is of the time before it: so much earlier it was commanded.
     pub earlier_s: Option<f64>,
+    /// Of frames that follow at once, one in so long is taken: see [`super::odometry`].
+    pub every_s: Option<f64>,
     /// The scenario by which this recording is learned from: a shipped one's name.
     pub learned_in: Option<String>,
 }
@@ -133,6 +135,9 @@ impl Asked {
             if let Some(earlier_s) = log.earlier_s.filter(|it| !(0.001..=1.0).contains(it)) {
                 fault(at("earlier_s"), format!("earlier_s must lie in 0.001..=1 s, not {earlier_s}"));
             }
+            if let Some(every_s) = log.every_s.filter(|it| !(0.001..=10.0).contains(it)) {
+                fault(at("every_s"), format!("every_s must lie in 0.001..=10 s, not {every_s}"));
+            }
             if log.learned_in.is_some() && self.learning.is_none() {
                 fault(at("learned_in"), "learned_in says nothing without a table [learning]".into());
             }
@@ -183,6 +188,7 @@ mod tests {
             format!("{:?}", miette::Report::new(bad))
         };
         assert!(said("\"mrclam\"", "\"clam\"").contains("unknown format `clam`"));
+        assert!(said("nominal =", "every_s = 11.0\nnominal =").contains("every_s must lie in 0.001..=10 s, not 11"));
         assert!(said("nominal =", "earlier_s = 3.0\nnominal =").contains("earlier_s must lie in 0.001..=1 s, not 3"));
         assert!(said("nominal =", "average_s = 0.0\nnominal =").contains("average_s must lie in 0.01..=10 s, not 0"));
         assert!(said("nominal =", "learned_in = \"mrclam\"\nnominal =").contains("without a table [learning]"));

@@ -189,6 +189,7 @@ fn imported(source: &Source, robot: Option<u16>, path: &Path) -> Result<Dataset,
             let Dataset { log, truth, provenance } = imported.dataset;
             let log = source.average_s.map_or_else(|| log.clone(), |over_s| odometry::averaged(&log, over_s));
             let log = source.earlier_s.map_or_else(|| log.clone(), |by_s| odometry::earlier(&log, by_s));
+            let log = source.every_s.map_or_else(|| log.clone(), |every_s| odometry::thinned(&log, every_s));
             Ok(Dataset { log, truth, provenance })
         }
         Err(error) if path.exists() => Err(miette::miette!("{error}")),
