@@ -95,6 +95,10 @@ fn scenario_files(folder: &Path) -> String {
             entry(&mut text, &path_shown, &blind.about, &[("logs", &logs), ("diagnosers", &diagnosers)]);
             continue;
         }
+        if let Ok(Some(pool)) = blind::pool::read(&path) {
+            entry(&mut text, &path_shown, &pool.asked.about, &[("pools", &pool.asked.of.join(", "))]);
+            continue;
+        }
         if let Ok(Some(real)) = real::scenario::read(&path) {
             let logs: Vec<&str> = real.asked.logs.iter().map(|log| log.name.as_str()).collect();
             entry(&mut text, &path_shown, &real.asked.about, &[("logs", &logs.join(", "))]);
