@@ -43,6 +43,9 @@ pub struct Asked {
     pub about: String,
     /// The nominal world's scenario file, beside this one.
     pub nominal: String,
+    /// Keys of that file that are other ones here, tables within tables: how its robot is driven, say.
+    #[serde(default, skip_serializing_if = "toml::Table::is_empty")]
+    pub change: toml::Table,
     /// Length of each log.
     pub duration_s: f64,
     /// How many cases.
@@ -224,19 +227,37 @@ pub fn parse(
             Ok(Some(Blind { name: name.to_owned(), about, nominal, world, asked }))
         }
         found => {
-            faults.extend(found.err().map(|message| Fault { path: "nominal".to_owned(), message }));
+            let path = if asked.change.is_empty() { "nominal" } else { "change" }.to_owned();
+            faults.extend(found.err().map(|message| Fault { path, message }));
             Err(Bad::faults(shown, text, &table, &faults))
         }
     }
 }
 
 fn world(asked: &Asked, nominal: &dyn Fn(&str) -> Result<String, String>) -> Result<Simulation, String> {
-    let text = nominal(&asked.nominal)?;
-    let scenario: Scenario =
-        parse_nominal(&asked.nominal, &asked.nominal, &text).map_err(|bad| format!("{}: {bad}", asked.nominal))?;
+    let name = &asked.nominal;
+    let (mut text, mut shown) = (nominal(name)?, name.clone());
+    // A text that is no TOML is better explained where it is read.
+    if let Ok(mut table) = text.parse::<toml::Table>()
+        && !asked.change.is_empty()
+    {
+        change(&mut table, &asked.change);
+        (text, shown) = (table.to_string(), format!("{name}, changed"));
+    }
+    let scenario: Scenario = parse_nominal(name, &shown, &text).map_err(|bad| format!("{shown}: {bad}"))?;
     match scenario.origin {
         Origin::Simulated(world) => Ok(Simulation { duration_s: asked.duration_s, ..*world }),
         Origin::Recorded(_) => Err(format!("{} is about a recorded log, into which nothing is planted", asked.nominal)),
+    }
+}
+
+/// Puts other values in the place of some, in tables within tables.
+fn change(table: &mut toml::Table, by: &toml::Table) {
+    for (key, value) in by {
+        match (table.get_mut(key), value) {
+            (Some(toml::Value::Table(there)), toml::Value::Table(by)) => change(there, by),
+            _ => drop(table.insert(key.clone(), value.clone())),
+        }
     }
 }
 

@@ -3,17 +3,18 @@
 use std::sync::Mutex;
 
 use asami::blind::next::Next;
-use asami::blind::scenario::Measure;
+use asami::blind::scenario::{Measure, parse};
 use asami::blind::tally::{asked, measure};
 use asami::blind::walk::{Contest, Results, run};
 use asami::report;
-use asami::scenario::Simulation;
+use asami::scenario::{Policy, Simulation};
 use asami::sweep::Silent;
 use asami_dataset::Log;
 use asami_gap::answer::diagnosis::{Cause, Verdict};
 use asami_gap::{CannotDiagnose, Diagnoses, Diagnosis, Judges, Likelihood, Planted, Variant};
+use asami_sim::drives::explore::Exploring;
 
-use super::{ASKED, blind, options};
+use super::{ASKED, PLAIN, blind, options};
 
 /// Logs as advised go on for longer than others, by which they are known here.
 const ADVISED_S: f64 = 30.0;
@@ -142,4 +143,26 @@ fn a_tie_is_followed_by_two_logs_of_the_true_world() {
     let (unasked, seen) = swept(&text.replace("next_experiment = true", "next_experiment = false"));
     assert!(unasked.records.iter().all(|record| record.answers[0].next.is_none()));
     assert_eq!(seen.len(), 40);
+}
+
+/// A blind scenario may drive the nominal robot otherwise than its own scenario does; a slip there is shown.
+#[test]
+fn keys_of_the_nominal_world_can_be_others() {
+    let with = |change: &str| {
+        let text = ASKED.replacen("\n[[expect]]", &format!("\n{change}\n\n[[expect]]"), 1);
+        parse("try", "try.toml", &text, &|_| Ok(PLAIN.to_owned())).map(|it| it.expect("blind"))
+    };
+    let own = blind(ASKED);
+    let other = with("[change.explore]\nhold_s = 0.25").expect("sound");
+    let Policy::Explore(before) = &own.world.drive else { panic!("a robot that explores") };
+    let exploring = Exploring { hold_s: 0.25, ..before.clone() };
+    assert_eq!(other.world, Simulation { drive: Policy::Explore(exploring), ..own.world.clone() });
+    assert_ne!(other.hash(), own.hash());
+    for (change, said) in [
+        ("[change.explore]\nhold_s = 99", "hold_s must lie in 0.1..=60 s, not 99"),
+        ("[change.explore]\nholds = 1", "unknown field `holds`"),
+    ] {
+        let shown = format!("{:?}", miette::Report::new(with(change).expect_err(change)));
+        assert!(shown.contains(said) && shown.contains("plain_2d, changed"), "{change}:\n{shown}");
+    }
 }
