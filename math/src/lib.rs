@@ -14,6 +14,7 @@ pub mod neighbours;
 pub mod optimise;
 pub mod polynomial;
 pub mod quasi_newton;
+pub mod random_effects;
 pub mod regression;
 pub mod rigid;
 pub mod statistics;

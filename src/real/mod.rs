@@ -5,6 +5,7 @@
 pub mod capture;
 pub mod foretold;
 pub mod learning;
+pub mod make;
 pub mod odometry;
 pub mod scanner;
 pub mod scenario;

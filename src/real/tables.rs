@@ -7,6 +7,7 @@ use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::Cause;
 
 use super::foretold;
+use super::make;
 use super::scanner;
 use super::walk::{Part, Record, Results};
 use crate::diagnose::words;
@@ -33,6 +34,11 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
     write("parameters.csv", &parameters(results))?;
     write("timings.csv", &timings(results))?;
     let mut tables = vec![("real", logs(results)), ("real_parameters", held(results))];
+    let common = make::common(results);
+    if !common.is_empty() {
+        write("make.csv", &make::csv(&results.real.name, &common))?;
+        tables.push(("real_make", make::table(&common)));
+    }
     let foretold = foretold::foretold(&results.lessons);
     if !foretold.is_empty() {
         write("learning.csv", &foretold::csv(&results.real.name, &foretold))?;

@@ -8,11 +8,12 @@ use asami_math::elementary::{exp, ln};
 use asami_sim::effect::{Block, Place};
 
 use super::starts::starts;
-use super::unsure::{believed, blocks};
+use super::unsure::{World, believed, blocks};
 use crate::judge::Judge;
 use crate::newton::{Curvature, climb};
 use crate::plant::{Planted, Variant};
 use crate::weigh::evidence::{CLOSE, Weighed, weigh};
+use crate::weigh::groups::Signature;
 
 /// At most so many effects.
 const MOST: usize = 8;
@@ -31,6 +32,13 @@ const LONGEST: f64 = 1.0;
 /// Precision of a prior that leaves a size which changes nothing where it is.
 const NEXT_TO_NOTHING: f64 = 1e-3;
 
+/// Ten to one are against each further effect.
+const AGAINST_NATS: f64 = std::f64::consts::LN_10;
+/// So many may be in the world besides those that are named.
+const UNNAMED: usize = 2;
+/// A world less probable than this is left out.
+const HARDLY: f64 = 0.02;
+
 /// Effects are thought of again at most so often.
 const PASSES: usize = 2;
 
@@ -40,9 +48,20 @@ pub struct Layer {
     /// The effect; its evidence over those before it alone, reconsidered: over all others.
     pub weighed: Weighed,
     /// What it pays of its gain for its size, in nats.
-    pays_nats: f64,
-    /// Other effects in its place, with their evidence, the most evident first; of what is reconsidered.
-    pub rivals: Vec<(&'static str, f64)>,
+    pub(super) pays_nats: f64,
+    /// Other effects in its place, the most evident first; of what is reconsidered.
+    pub rivals: Vec<Rival>,
+}
+
+/// Another effect in the place of one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rival {
+    /// Its name.
+    pub effect: &'static str,
+    /// Its evidence.
+    pub evidence_nats: f64,
+    /// By so much the log parts what the two predict, each beside the others with all sizes found together.
+    pub apart_nats: f64,
 }
 
 /// What is not worth a name.
@@ -122,12 +141,39 @@ pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Lay
         }
     }
     layers.sort_by(|a, b| b.weighed.evidence_nats.total_cmp(&a.weighed.evidence_nats));
-    let found = believed(judge, &planted(&layers));
+    let found = believed(judge, &worlds(judge, variants, &planted(&layers), least));
     for (layer, believed) in layers.iter_mut().zip(found) {
         layer.weighed.best.size = believed.size;
         layer.weighed.interval = believed.interval;
     }
     layers
+}
+
+/// What the world may be, where these effects are named: they alone, and with others that are not worth a name. An effect's size
+/// hangs on what else there is, so that it would be said too surely, and with what others do put down to it, were there nothing
+/// (Hoeting et al. 1999, "Bayesian Model Averaging").
+fn worlds(judge: &dyn Judge, variants: &[Variant], named: &[Planted], least: Least) -> Vec<World> {
+    let mut base = World { effects: named.to_vec(), share: 0.0 };
+    let mut all = vec![base.clone()];
+    for _ in 0..if named.is_empty() { 0 } else { UNNAMED } {
+        let likely = judge.log_likelihood(&base.effects);
+        let tried = next(judge, &least.beside(variants, &base.effects), &base.effects, likely);
+        let further = tried.into_iter().map(|(it, settled)| {
+            let share = base.share + by_blocks(&it, &settled) - AGAINST_NATS;
+            World { effects: settled.effects, share }
+        });
+        let further: Vec<World> = further.collect();
+        all.extend(further.iter().cloned());
+        let likeliest = further.into_iter().reduce(|a, b| if b.share > a.share { b } else { a });
+        let Some(likeliest) = likeliest.filter(|it| it.share > base.share) else { break };
+        base = likeliest;
+    }
+    let top = all.iter().fold(f64::NEG_INFINITY, |top, it| top.max(it.share));
+    all.iter_mut().for_each(|it| it.share = exp(it.share - top));
+    let whole = all.iter().fold(0.0, |sum, it| sum + it.share);
+    all.iter_mut().for_each(|it| it.share /= whole);
+    all.retain(|it| it.share >= HARDLY);
+    all
 }
 
 /// The sizes of `others` without an effect that was there `before`, and what stands in its place with the sizes of all; `None` where
@@ -151,7 +197,14 @@ fn in_its_place(
         let (evidence_nats, pays_nats) = (by_blocks(&best, &settled), best.gain_nats - best.evidence_nats);
         // What parts two of them counts as little as what parts the better one from none.
         let less = |rival: &Weighed| settled.counts * (best.evidence_nats - rival.evidence_nats);
-        let rivals = tried.map(|(rival, _)| (rival.effect, evidence_nats - less(&rival))).collect();
+        let reading = |settled: &Settled| judge.read(&judge.numbers(&settled.effects));
+        let leads = reading(&settled);
+        let rivals = tried.map(|(rival, other)| Rival {
+            effect: rival.effect,
+            evidence_nats: evidence_nats - less(&rival),
+            apart_nats: settled.counts * Signature::new(&leads, &reading(&other)).nats(),
+        });
+        let rivals = rivals.collect();
         (Layer { weighed: Weighed { evidence_nats, ..best }, pays_nats, rivals }, settled.effects)
     });
     (rest.effects, layer)
@@ -301,5 +354,31 @@ mod tests {
         assert_eq!(names, ["command_scale"]);
         let [low, high] = found[0].weighed.interval;
         assert!(low < of(0, 0.5).size && of(0, 0.5).size < high, "{low} to {high}");
+    }
+
+    /// What is not worth a name may be there all the same, and what is named makes up for it: intervals allow for that.
+    #[test]
+    fn sizes_allow_for_what_else_there_may_be() {
+        let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
+        let of = |k: usize, share: f64| Planted { variant: kinds[k].clone(), size: share * kinds[k].sizes().1 };
+        let truth = [of(0, 0.5), of(1, 0.3)];
+        let wave = |t: usize, step: f64| (step * t as f64).sin();
+        // By itself the second wave is worth 4.4 nats: less than a name is.
+        let alike = |t: usize| wave(t, 0.37) + 0.7 * wave(t, 0.91);
+        let [mut held, mut alone] = [0, 0];
+        for seed in 0..40 {
+            let log = Straight::new(&truth, &[&|t| wave(t, 0.37), &alike], Seed(seed));
+            let named = settle(&log, vec![of(0, 0.5)]).effects;
+            let holds = |worlds: &[World]| {
+                let [low, high] = believed(&log, worlds)[0].interval;
+                low <= truth[0].size && truth[0].size <= high
+            };
+            let worlds = worlds(&log, &kinds, &named, LEAST);
+            let shares: f64 = worlds.iter().map(|it| it.share).sum();
+            assert!((0.95..1.0 + 1e-9).contains(&shares), "{shares}");
+            held += usize::from(holds(&worlds));
+            alone += usize::from(holds(&[World { effects: named, share: 1.0 }]));
+        }
+        assert!(held >= 30 && alone <= 10, "{held} and {alone} of 40");
     }
 }

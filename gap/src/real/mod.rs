@@ -28,10 +28,10 @@ use crate::library::Library;
 use crate::plant::Variant;
 use crate::view::CannotSee;
 use crate::weigh::causes::{NONE, UNKNOWN};
-use crate::weigh::groups::smallest_visible;
+use crate::weigh::groups::{SPLIT_NATS, smallest_visible};
 use crossed::Crossed;
 use folds::Folds;
-use layers::{Layer, Least, layers, planted, reconsidered};
+use layers::{Layer, Least, Rival, layers, planted, reconsidered};
 
 /// Noise is learned, effects are named, and again, for the noise is what the effects leave; the likeliest of these counts.
 const ROUNDS: usize = 4;
@@ -102,10 +102,12 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagno
     let which = which(judge, found, remains, block.as_ref());
     let named = |cause: &&Cause| cause.effects[0] != UNKNOWN && cause.effects[0] != NONE;
     let set90 = set90(which.iter().filter(named));
+    let (cannot_tell_apart, all_alike) = groups(found, &set90);
     let verdict = match set90.len() {
         _ if remains > MOST_REMAINS => Verdict::Unknown,
         0 => Verdict::None,
-        1 => Verdict::Named,
+        // One group is one answer.
+        _ if all_alike => Verdict::Named,
         _ => Verdict::Tied,
     };
     Diagnosis {
@@ -114,7 +116,7 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagno
         places: if found.is_empty() { Vec::new() } else { places(judge, &base, &with) },
         which,
         set90,
-        cannot_tell_apart: Vec::new(),
+        cannot_tell_apart,
         next_experiment: None,
         next_keys: None,
         next_nats: None,
@@ -126,18 +128,36 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagno
     }
 }
 
+/// Rivals of a layer. One that is named itself, later, takes nobody's place.
+fn rivals<'a>(found: &'a [Layer], layer: &'a Layer) -> impl Iterator<Item = &'a Rival> {
+    layer.rivals.iter().filter(|it| !found.iter().any(|layer| layer.weighed.effect == it.effect))
+}
+
+/// Of the layers with rivals in this set those that the log cannot tell from them, with these; and whether it tells none from
+/// any other.
+fn groups(found: &[Layer], set90: &[Vec<String>]) -> (Vec<Vec<String>>, bool) {
+    let (mut groups, mut all_alike) = (Vec::new(), true);
+    for (i, layer) in found.iter().enumerate() {
+        let in_set =
+            rivals(found, layer).filter(|it| set90.iter().any(|cause| cause.get(i).is_some_and(|at| at == it.effect)));
+        let (alike, others): (Vec<&Rival>, Vec<&Rival>) = in_set.partition(|it| it.apart_nats < SPLIT_NATS);
+        all_alike &= others.is_empty();
+        if !alike.is_empty() {
+            let group = [layer.weighed.effect].into_iter().chain(alike.into_iter().map(|it| it.effect));
+            groups.push(group.map(str::to_owned).collect());
+        }
+    }
+    (groups, all_alike)
+}
+
 /// The layers together; each with a rival in the place of the layer that it rivals; *unknown* and *none*.
 fn which(judge: &dyn Judge, found: &[Layer], remains: f64, block: Option<&Fitted>) -> Vec<Cause> {
     let total = judge.log_likelihood(&planted(found)) - judge.log_likelihood(&[]);
     let names: Vec<&str> = found.iter().map(|layer| layer.weighed.effect).collect();
-    // Rivals by layer, and by how much each is less evident. One that is named itself, later, takes nobody's place.
-    let rivals: Vec<Vec<(&str, f64)>> = found
-        .iter()
-        .map(|layer| {
-            let others = layer.rivals.iter().filter(|(name, _)| !names.contains(name));
-            others.map(|(name, nats)| (*name, layer.weighed.evidence_nats - nats)).collect()
-        })
-        .collect();
+    // By how much each is less evident.
+    let less = |layer: &Layer, rival: &Rival| layer.weighed.evidence_nats - rival.evidence_nats;
+    let rivals: Vec<Vec<(&str, f64)>> =
+        found.iter().map(|layer| rivals(found, layer).map(|it| (it.effect, less(layer, it))).collect()).collect();
     let odds = |less: f64| exp(-less.min(700.0));
     let own = rivals.iter().map(|rivals| 1.0 / (1.0 + rivals.iter().map(|it| odds(it.1)).sum::<f64>()));
     let leads = own.product::<f64>() * (1.0 - remains);
@@ -184,4 +204,37 @@ fn set90<'a>(causes: impl Iterator<Item = &'a Cause>) -> Vec<Vec<String>> {
         Some(before)
     });
     causes.iter().zip(before).take_while(|(_, before)| *before < 0.9 * all).map(|(it, _)| it.effects.clone()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::Planted;
+    use crate::straight::Straight;
+    use crate::weigh::evidence::Weighed;
+
+    /// A lag that may as well be a delay is one answer with it where the log parts the two by nothing, and two where it parts them.
+    #[test]
+    fn what_a_log_cannot_tell_apart_is_one_answer() {
+        let layer = |effect: &'static str, rivals: &[(&'static str, f64)]| {
+            let variant = Straight::kind(effect);
+            let best = Planted { size: variant.sizes().1, variant };
+            let weighed = Weighed { effect, evidence_nats: 40.0, best, gain_nats: 42.0, interval: [0.0, 1.0] };
+            let rival = |(effect, apart_nats): &(&'static str, f64)| Rival {
+                effect,
+                evidence_nats: 39.5,
+                apart_nats: *apart_nats,
+            };
+            Layer { weighed, pays_nats: 2.0, rivals: rivals.iter().map(rival).collect() }
+        };
+        let of = |apart_nats: f64| [layer("wheel_base", &[]), layer("wheel_lag", &[("command_delay", apart_nats)])];
+        let set90 = |found: &[Layer]| {
+            let combined = [["wheel_base", "wheel_lag"], ["wheel_base", "command_delay"]];
+            groups(found, &combined.map(|it| it.map(str::to_owned).to_vec()))
+        };
+        assert_eq!(set90(&of(0.4)), (vec![vec!["wheel_lag".to_owned(), "command_delay".to_owned()]], true));
+        assert_eq!(set90(&of(9.0)), (Vec::new(), false));
+        // One that is so improbable that it is not in the set does not count.
+        assert_eq!(groups(&of(9.0), &[vec!["wheel_base".to_owned(), "wheel_lag".to_owned()]]), (Vec::new(), true));
+    }
 }

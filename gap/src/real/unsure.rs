@@ -35,21 +35,47 @@ pub fn blocks(judge: &dyn Judge) -> Vec<usize> {
     numbered.collect()
 }
 
-/// What is believed of the sizes of effects, given about where a log is likeliest.
+/// A world that a log may be of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct World {
+    /// Its effects, about where the log is likeliest: those that are asked for, and others after them.
+    pub effects: Vec<Planted>,
+    /// How probable it is beside others, all of which make one.
+    pub share: f64,
+}
+
+/// What is believed of the sizes of the effects that all these worlds have, the fewest of which the first has.
 #[must_use]
-pub fn believed(judge: &dyn Judge, all: &[Planted]) -> Vec<Believed> {
-    let Some(ridge) = Ridge::about(judge, all, blocks(judge)) else {
-        let law = |it: &Planted| Believed { size: it.size, interval: it.variant.sizes().into() };
-        return all.iter().map(law).collect();
+pub fn believed(judge: &dyn Judge, worlds: &[World]) -> Vec<Believed> {
+    let asked = worlds.iter().map(|world| world.effects.len()).min().unwrap_or(0);
+    // Of each size where walks through the worlds come by, with what a step of each counts.
+    let mut seen: Vec<Vec<(f64, f64)>> = vec![Vec::new(); asked];
+    for world in worlds {
+        let Some(ridge) = Ridge::about(judge, &world.effects, blocks(judge)) else { continue };
+        let ridge = ridge.looked_at(judge, &world.effects);
+        let walked = ridge.walk(Seed(0)).into_iter().zip(&ridge.middle);
+        for (seen, (sizes, middle)) in seen.iter_mut().zip(walked) {
+            let counts = world.share / sizes.len() as f64;
+            seen.extend(sizes.iter().map(|size| (middle * size, counts)));
+        }
+    }
+    let of = |(i, seen): (usize, &mut Vec<(f64, f64)>)| {
+        seen.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let whole = seen.iter().fold(0.0, |sum, it| sum + it.1);
+        let at = |share: f64| {
+            let below = seen.iter().scan(0.0, |below, it| {
+                *below += it.1 / whole;
+                Some(*below)
+            });
+            seen.get(below.take_while(|below| *below < share).count().min(seen.len().saturating_sub(1))).map(|it| it.0)
+        };
+        let law = &worlds[0].effects[i];
+        let found = at(0.5).zip(at(0.05)).zip(at(0.95));
+        found.map_or(Believed { size: law.size, interval: law.variant.sizes().into() }, |((size, low), high)| {
+            Believed { size, interval: [low, high] }
+        })
     };
-    let ridge = ridge.looked_at(judge, all);
-    let mut walked = ridge.walk(Seed(0));
-    let of = |(sizes, middle): (&mut Vec<f64>, &f64)| {
-        sizes.sort_by(f64::total_cmp);
-        let at = |share: f64| middle * sizes[(share * (sizes.len() - 1) as f64).round() as usize];
-        Believed { size: at(0.5), interval: [at(0.05), at(0.95)] }
-    };
-    walked.iter_mut().zip(&ridge.middle).map(of).collect()
+    seen.iter_mut().enumerate().map(of).collect()
 }
 
 #[cfg(test)]
@@ -58,6 +84,10 @@ mod tests {
 
     use super::*;
     use crate::straight::Straight;
+
+    fn alone(effects: &[Planted]) -> [World; 1] {
+        [World { effects: effects.to_vec(), share: 1.0 }]
+    }
 
     /// Noise that is three times what it is taken for leaves sizes three times as unsure, alone or beside another.
     #[test]
@@ -74,7 +104,7 @@ mod tests {
         }
         let width = |judge: &dyn Judge| {
             let relative = |it: Believed| (it.interval[1] - it.interval[0]) / it.size;
-            believed(judge, &truth).into_iter().map(relative).collect::<Vec<f64>>()
+            believed(judge, &alone(&truth)).into_iter().map(relative).collect::<Vec<f64>>()
         };
         let [quiet_widths, loud_widths] = [width(&quiet), width(&loud)];
         for (i, (quiet, loud)) in quiet_widths.iter().zip(&loud_widths).enumerate() {
@@ -92,7 +122,7 @@ mod tests {
         let (least, greatest) = kind.sizes();
         let truth = [Planted { size: 0.5 * greatest, variant: kind }];
         let nothing = Straight::new(&truth, &[&|_| 0.0], Seed(1));
-        let Believed { size, interval: [low, high] } = believed(&nothing, &truth)[0];
+        let Believed { size, interval: [low, high] } = believed(&nothing, &alone(&truth))[0];
         for (share, found) in [(0.05, low), (0.5, size), (0.95, high)] {
             let there = ln(found / least) / ln(greatest / least);
             assert!((there - share).abs() < 0.06, "{share}: {there}");
@@ -115,7 +145,7 @@ mod tests {
         let all = || shares.iter().flat_map(|a| shares.iter().map(|b| [*a, *b]));
         let (top, best) =
             all().map(|it| (likely(it), it)).fold((f64::NEG_INFINITY, [0.0; 2]), |a, b| if b.0 > a.0 { b } else { a });
-        let found = believed(&log, &of(best));
+        let found = believed(&log, &alone(&of(best)));
         for (k, found) in found.iter().enumerate() {
             let density = |share: f64| {
                 let row = all().filter(|it| {
