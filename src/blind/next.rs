@@ -51,6 +51,8 @@ pub(super) fn follow(
     let [truth, rival] = tied(diagnosis, key)?;
     let seed = planting.seed_of_next(case.number);
     let nats = |nominal: Simulation| {
+        let duration_s = diagnosis.next_length_s.unwrap_or(nominal.duration_s);
+        let nominal = Simulation { duration_s, ..nominal };
         let driven = Planting { nominal, ..planting.clone() };
         let log = driven.simulate(&Case { seed, ..case.clone() }, "").ok()?.log;
         let likelihood = contest.judges().of(&log).ok()?;

@@ -237,6 +237,7 @@ learner = "canonical"
             next_experiment: None,
             next_keys: None,
             next_nats: None,
+            next_length_s: None,
             smallest_visible: BTreeMap::new(),
             astray_s: None,
             noise: None,

@@ -99,10 +99,10 @@ fn further(
         return Ok(None);
     }
     let again = Case { seed: Seed(case.seed.0 ^ 1), ..case.clone() };
-    let driven = Simulation { duration_s: planting.nominal.duration_s, ..driven };
+    let duration_s = diagnosis.next_length_s.unwrap_or(planting.nominal.duration_s);
     let mut split = [false; 2];
     for (split, nominal) in split.iter_mut().zip([driven, planting.nominal.clone()]) {
-        let planting = Planting { nominal, ..planting.clone() };
+        let planting = Planting { nominal: Simulation { duration_s, ..nominal }, ..planting.clone() };
         let log = planting.simulate(&again, &ready.held.name)?.log;
         let Ok(second) = ready.evidence(&log) else { continue };
         let both = |name: &str| first.get(name).unwrap_or(&0.0) + second.get(name).unwrap_or(&0.0);

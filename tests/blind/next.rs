@@ -37,8 +37,8 @@ impl Likelihood for Long {
     }
 }
 
-/// Takes a delay and a scale for tied, whatever the log.
-struct Tied<'a>(&'a [Variant]);
+/// Takes a delay and a scale for tied, whatever the log, and asks for one of this length.
+struct Tied<'a>(&'a [Variant], Option<f64>);
 
 impl Diagnoses for Tied<'_> {
     fn name(&self) -> &str {
@@ -57,6 +57,7 @@ impl Diagnoses for Tied<'_> {
             which,
             next_keys: Some("explore.hold_s = 8".to_owned()),
             next_nats: Some([1.0, 8.0]),
+            next_length_s: self.1,
             ..Diagnosis::flat(&[])
         })
     }
@@ -65,6 +66,7 @@ impl Diagnoses for Tied<'_> {
 struct Advises {
     variants: Vec<Variant>,
     world: Simulation,
+    length_s: Option<f64>,
     seen: Mutex<Vec<Log>>,
 }
 
@@ -86,7 +88,7 @@ impl Contest for Advises {
     }
 
     fn diagnosers(&self, _: &[String]) -> Vec<Box<dyn Diagnoses + '_>> {
-        vec![Box::new(Tied(&self.variants))]
+        vec![Box::new(Tied(&self.variants, self.length_s))]
     }
 
     fn driven(&self, keys: &str) -> Option<Simulation> {
@@ -99,11 +101,11 @@ impl Contest for Advises {
     }
 }
 
-fn swept(text: &str) -> (Results, Vec<Log>) {
+fn swept(text: &str, length_s: Option<f64>) -> (Results, Vec<Log>) {
     let blind = blind(text);
     let dir = tempfile::tempdir().expect("made");
-    let contest =
-        Advises { variants: Variant::all("plain", 4, &[]), world: blind.world.clone(), seen: Mutex::default() };
+    let variants = Variant::all("plain", 4, &[]);
+    let contest = Advises { variants, world: blind.world.clone(), length_s, seen: Mutex::default() };
     let results = run(&blind, &contest, &options(dir.path(), 1), &Silent).expect("run");
     report::blind::write(&results, "test", dir.path()).expect("written");
     (results, contest.seen.into_inner().expect("free"))
@@ -115,7 +117,7 @@ fn a_tie_is_followed_by_two_logs_of_the_true_world() {
         .replace("duration_s = 5\ncases = 12", "duration_s = 5\ncases = 40\nnext_experiment = true")
         .replace("[\"asami\", \"forward_selection\"]", "[\"asami\"]")
         + "[mix]\nnone_share = 0.1\none_share = 0.8\n";
-    let (results, seen) = swept(&text);
+    let (results, seen) = swept(&text, None);
     let mut followed = 0;
     for record in &results.records {
         let expected = match record.planted.iter().map(String::as_str).collect::<Vec<_>>()[..] {
@@ -140,9 +142,20 @@ fn a_tie_is_followed_by_two_logs_of_the_true_world() {
     assert_eq!(share(Measure::AgainSplits).count, 0);
     assert_eq!(share(Measure::NextBeatsAgain).count, delays);
 
-    let (unasked, seen) = swept(&text.replace("next_experiment = true", "next_experiment = false"));
+    let (unasked, seen) = swept(&text.replace("next_experiment = true", "next_experiment = false"), None);
     assert!(unasked.records.iter().all(|record| record.answers[0].next.is_none()));
     assert_eq!(seen.len(), 40);
+}
+
+#[test]
+fn both_logs_are_as_long_as_is_asked_for() {
+    let text = ASKED
+        .replace("duration_s = 5\ncases = 12", "duration_s = 5\ncases = 20\nnext_experiment = true")
+        .replace("[\"asami\", \"forward_selection\"]", "[\"asami\"]");
+    let (results, seen) = swept(&text, Some(12.0));
+    let followed = results.records.iter().filter(|it| it.answers[0].next.is_some()).count();
+    let long = seen.iter().filter(|log| log.span_s().is_some_and(|(from_s, to_s)| to_s - from_s > 11.0)).count();
+    assert!(followed > 0 && long == 2 * followed && seen.len() == 20 + long, "{followed} {long} {}", seen.len());
 }
 
 /// A blind scenario may drive the nominal robot otherwise than its own scenario does; a slip there is shown.

@@ -136,6 +136,7 @@ impl Diagnosis {
             next_experiment: None,
             next_keys: None,
             next_nats: None,
+            next_length_s: None,
             smallest_visible: std::collections::BTreeMap::new(),
             astray_s: None,
             noise: None,

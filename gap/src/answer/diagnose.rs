@@ -82,6 +82,7 @@ impl Diagnoser<'_> {
             which: self.causes(&findings, &ranked, best.as_deref(), block.as_deref(), adequacy_p),
             next_experiment: next.as_ref().map(|it| it.words.clone()),
             next_nats: next.as_ref().and_then(|it| Some([it.parted_nats, it.promised_nats?])),
+            next_length_s: next.as_ref().and_then(|it| it.length_s),
             next_keys: next.and_then(|it| it.keys),
             set90: set90.iter().map(|cause| split(cause)).collect(),
             cannot_tell_apart,

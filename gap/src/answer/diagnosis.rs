@@ -35,6 +35,9 @@ pub struct Diagnosis {
     /// By how many nats the two most probable causes part in this log, and are expected to part in a log so driven.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub next_nats: Option<[f64; 2]>,
+    /// How long a log so driven should be, in seconds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub next_length_s: Option<f64>,
     /// For each effect's sized parameter, `NAME.PARAM`, the smallest distance from its null value that this
     /// log would have shown.
     pub smallest_visible: BTreeMap<String, f64>,

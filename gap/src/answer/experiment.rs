@@ -5,7 +5,7 @@
 //! predictions differ in the mean.
 
 use asami_dataset::Log;
-use asami_math::elementary::exp;
+use asami_math::elementary::{exp, ln};
 use rayon::prelude::*;
 
 use crate::judge::Judge;
@@ -16,8 +16,15 @@ use crate::weigh::groups::{apart, signatures};
 /// Two causes that are expected to part by so many nats part by 3, odds of 20 to 1, in four logs of five: a log-likelihood
 /// ratio of mean `J` has variance `2 J` where predictions differ in the mean.
 const SURE_NATS: f64 = 6.0;
-/// Other commands are advised where they are expected to part causes by so many times what the log's own do.
+/// Other commands are advised where the log's own need so many times as long.
 const WORTH_CHANGING: f64 = 1.25;
+/// Nobody records a log so many times as long.
+const LONGEST: f64 = 20.0;
+/// Logs are recorded for whole multiples of this.
+const ROUND_S: f64 = 10.0;
+/// Of what may be a size's logarithm the lowest fifth lies beyond this share of the way to the end of its 90 % interval: an effect
+/// that hardly shows is as likely as not smaller than it seems.
+const CAUTIOUS: f64 = 0.512;
 
 /// A way to drive the robot.
 #[derive(Clone, Debug)]
@@ -71,10 +78,21 @@ impl Promise {
         })
     }
 
+    /// For how long it must be driven so, in seconds, for the two most probable causes to part surely.
+    #[must_use]
+    pub fn needed_s(&self) -> f64 {
+        self.length_s * SURE_NATS / self.leading_nats.max(1e-6)
+    }
+
+    /// Whether that is too long.
+    fn is_endless(&self) -> bool {
+        self.needed_s() >= LONGEST * self.length_s
+    }
+
     /// Whether it is worth driving as another course promises.
     #[must_use]
     pub fn yields_to(&self, other: &Self) -> bool {
-        other.leading_nats >= SURE_NATS.max(WORTH_CHANGING * self.leading_nats)
+        !other.is_endless() && WORTH_CHANGING * other.needed_s() <= self.needed_s()
     }
 }
 
@@ -115,6 +133,14 @@ pub fn best<'a>(
     better.reduce(|a, b| if b.1.confusion < a.1.confusion { b } else { a })
 }
 
+/// The effect at a size that it surpasses four times in five.
+fn cautious(weighed: &Weighed) -> Weighed {
+    let mut smaller = weighed.clone();
+    let low = weighed.interval[0].min(weighed.best.size);
+    smaller.best.size *= exp(CAUTIOUS * ln(low / weighed.best.size).max(-700.0));
+    smaller
+}
+
 /// What to record next, in words, and how far it would part the two most probable causes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
@@ -126,6 +152,8 @@ pub struct Advice {
     pub parted_nats: f64,
     /// By how much they are expected to part in the next one.
     pub promised_nats: Option<f64>,
+    /// How long that should be, in seconds: it parts them surely, and is no shorter than the log.
+    pub length_s: Option<f64>,
 }
 
 /// What to record next to split causes; `None` of fewer than two.
@@ -138,29 +166,38 @@ pub fn advice(
 ) -> Option<Advice> {
     let [(a, _), (b, _), ..] = tied else { return None };
     let (a, b) = (a.effect, b.effect);
-    let here = promise(judge, tied);
-    let parted_nats = here.leading_nats;
+    let parted_nats = promise(judge, tied).leading_nats;
+    let smaller: Vec<(Weighed, f64)> = tied.iter().map(|(weighed, p)| (cautious(weighed), *p)).collect();
+    let smaller: Vec<(&Weighed, f64)> = smaller.iter().map(|(weighed, p)| (weighed, *p)).collect();
+    let here = promise(judge, &smaller);
     // Nothing needs be played to be held beside no course.
-    let again = if courses.courses().is_empty() { None } else { promise_of(library, courses.again(), tied) };
-    let own = again.filter(|again| again.leading_nats > parted_nats).unwrap_or(here);
+    let again = if courses.courses().is_empty() { None } else { promise_of(library, courses.again(), &smaller) };
+    let own = again.filter(|again| again.leading_nats > here.leading_nats).unwrap_or(here);
     let courses = courses.courses();
     let apart = format!("{a} and {b} part by {parted_nats:.1} nats in this log");
-    Some(match best(library, courses, own, tied).filter(|(_, promise)| own.yields_to(promise)) {
-        Some((course, Promise { leading_nats, length_s, .. })) => Advice {
-            words: format!("{apart}; {}, they would part by {leading_nats:.1} in {length_s:.0} s", course.words),
-            keys: Some(course.keys.clone()),
-            parted_nats,
-            promised_nats: Some(leading_nats),
-        },
-        None => Advice { words: once_more(&apart, own, courses.len()), keys: None, parted_nats, promised_nats: None },
+    Some(match best(library, courses, own, &smaller).filter(|(_, promise)| own.yields_to(promise)) {
+        Some((course, promise)) => {
+            let length_s = (promise.needed_s().max(promise.length_s) / ROUND_S).ceil() * ROUND_S;
+            let promised_nats = promise.leading_nats * length_s / promise.length_s;
+            Advice {
+                words: format!("{apart}; {}, they would part by {promised_nats:.1} in {length_s:.0} s", course.words),
+                keys: Some(course.keys.clone()),
+                parted_nats,
+                promised_nats: Some(promised_nats),
+                length_s: Some(length_s),
+            }
+        }
+        None => {
+            let words = once_more(&apart, own, courses.len());
+            Advice { words, keys: None, parted_nats, promised_nats: None, length_s: None }
+        }
     })
 }
 
 /// Nothing is better than what was done.
 fn once_more(apart: &str, own: Promise, courses: usize) -> String {
-    let needed_s = own.length_s * SURE_NATS / own.leading_nats.max(1e-6);
-    if needed_s < 20.0 * own.length_s {
-        format!("{apart}: about {needed_s:.0} s of such commands would split them")
+    if !own.is_endless() {
+        format!("{apart}: about {:.0} s of such commands would split them", own.needed_s())
     } else if courses == 0 {
         format!("{apart}: commands of this kind will not split them")
     } else {
@@ -170,7 +207,10 @@ fn once_more(apart: &str, own: Promise, courses: usize) -> String {
 
 #[cfg(test)]
 mod tests {
+    use asami_math::elementary::erfc;
+
     use super::*;
+    use crate::plant::Planted;
 
     fn promise(leading_nats: f64) -> Promise {
         Promise { confusion: exp(-0.25 * leading_nats), leading_nats, length_s: 60.0 }
@@ -179,11 +219,25 @@ mod tests {
     #[test]
     fn other_commands_are_worth_driving_where_they_split_surely_and_better() {
         let yields = |own: f64, other: f64| promise(own).yields_to(&promise(other));
-        assert!(yields(1.0, 6.0) && !yields(1.0, 5.9));
+        assert!(yields(0.1, 0.31) && !yields(0.01, 0.29), "in less than twenty times as long");
         assert!(yields(8.0, 10.0) && !yields(8.0, 9.9));
+        // Half of what is sure in a log that is twice as long.
+        assert!((promise(3.0).needed_s() - 120.0).abs() < 1e-9);
         // Of mean J and variance 2 J: a normal number is 0.84 standard deviations and more below its mean one time in five.
         let z = (SURE_NATS - 3.0) / (2.0 * SURE_NATS).sqrt();
         assert!((0.84..0.9).contains(&z), "{z}");
+    }
+
+    #[test]
+    fn an_effect_is_trusted_to_be_as_large_as_it_is_four_times_in_five() {
+        let variant = crate::straight::Straight::kind("command_scale");
+        // Of a logarithm that is normally distributed about ln 0.1 with a standard deviation of a half.
+        let low = exp(ln(0.1) - 1.6449 * 0.5);
+        let best = Planted { variant, size: 0.1 };
+        let weighed =
+            Weighed { effect: "command_scale", evidence_nats: 1.0, best, gain_nats: 1.0, interval: [low, 0.2] };
+        let z = (ln(cautious(&weighed).best.size) - ln(0.1)) / 0.5;
+        assert!((0.5 * erfc(z / std::f64::consts::SQRT_2) - 0.8).abs() < 1e-3, "{z}");
     }
 
     #[test]

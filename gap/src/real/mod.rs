@@ -120,6 +120,7 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagno
         next_experiment: None,
         next_keys: None,
         next_nats: None,
+        next_length_s: None,
         smallest_visible: smallest_visible(judge, variants),
         astray_s: None,
         noise: None,
