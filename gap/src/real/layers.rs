@@ -159,7 +159,10 @@ fn worlds(judge: &dyn Judge, variants: &[Variant], named: &[Planted], least: Lea
         let likely = judge.log_likelihood(&base.effects);
         let tried = next(judge, &least.beside(variants, &base.effects), &base.effects, likely);
         let further = tried.into_iter().map(|(it, settled)| {
-            let share = base.share + by_blocks(&it, &settled) - AGAINST_NATS;
+            // Where more is asked for because the library may be off by as much, a nat counts so much less.
+            let asked = least.gain(judge, &settled.effects, settled.likely);
+            let gain_nats = settled.counts * it.gain_nats * least.nats / asked;
+            let share = base.share + gain_nats - (it.gain_nats - it.evidence_nats) - AGAINST_NATS;
             World { effects: settled.effects, share }
         });
         let further: Vec<World> = further.collect();
