@@ -153,30 +153,29 @@ pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Lay
 /// hangs on what else there is, so that it would be said too surely, and with what others do put down to it, were there nothing
 /// (Hoeting et al. 1999, "Bayesian Model Averaging").
 fn worlds(judge: &dyn Judge, variants: &[Variant], named: &[Planted], least: Least) -> Vec<World> {
-    let mut base = World { effects: named.to_vec(), share: 0.0 };
-    let mut all = vec![base.clone()];
-    for _ in 0..if named.is_empty() { 0 } else { UNNAMED } {
-        let likely = judge.log_likelihood(&base.effects);
-        let tried = next(judge, &least.beside(variants, &base.effects), &base.effects, likely);
-        let further = tried.into_iter().map(|(it, settled)| {
-            // Where more is asked for because the library may be off by as much, a nat counts so much less.
-            let asked = least.gain(judge, &settled.effects, settled.likely);
-            let gain_nats = settled.counts * it.gain_nats * least.nats / asked;
-            let share = base.share + gain_nats - (it.gain_nats - it.evidence_nats) - AGAINST_NATS;
-            World { effects: settled.effects, share }
-        });
-        let further: Vec<World> = further.collect();
-        all.extend(further.iter().cloned());
-        let likeliest = further.into_iter().reduce(|a, b| if b.share > a.share { b } else { a });
-        let Some(likeliest) = likeliest.filter(|it| it.share > base.share) else { break };
+    // With the logarithm of how probable each is over the named ones alone.
+    let mut all = vec![(named.to_vec(), 0.0)];
+    let mut base = all[0].clone();
+    let unnamed = if named.is_empty() { 0 } else { UNNAMED };
+    for _ in 0..unnamed {
+        let likely = judge.log_likelihood(&base.0);
+        let further =
+            next(judge, &least.beside(variants, &base.0), &base.0, likely).into_iter().map(|(it, settled)| {
+                // Where more is asked for because the library may be off by as much, a nat counts so much less.
+                let counts = settled.counts * least.nats / least.gain(judge, &settled.effects, settled.likely);
+                let odds = base.1 + of_what_counts(&it, counts) - AGAINST_NATS;
+                (settled.effects, odds)
+            });
+        let further: Vec<(Vec<Planted>, f64)> = further.collect();
+        let likeliest = further.iter().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|it| it.1 > base.1).cloned();
+        all.extend(further);
+        let Some(likeliest) = likeliest else { break };
         base = likeliest;
     }
-    let top = all.iter().fold(f64::NEG_INFINITY, |top, it| top.max(it.share));
-    all.iter_mut().for_each(|it| it.share = exp(it.share - top));
-    let whole = all.iter().fold(0.0, |sum, it| sum + it.share);
-    all.iter_mut().for_each(|it| it.share /= whole);
-    all.retain(|it| it.share >= HARDLY);
-    all
+    let top = all.iter().fold(f64::NEG_INFINITY, |top, it| top.max(it.1));
+    let whole = all.iter().fold(0.0, |sum, it| sum + exp(it.1 - top));
+    let shared = all.into_iter().map(|(effects, odds)| World { effects, share: exp(odds - top) / whole });
+    shared.filter(|it| it.share >= HARDLY).collect()
 }
 
 /// The sizes of `others` without an effect that was there `before`, and what stands in its place with the sizes of all; `None` where
@@ -228,7 +227,12 @@ fn stays(tried: &mut Vec<(Weighed, Settled)>, before: &Layer, settled: Settled, 
 
 /// The evidence of an effect, where of what it gains so much counts as blocks leave it.
 fn by_blocks(it: &Weighed, settled: &Settled) -> f64 {
-    settled.counts * it.gain_nats - (it.gain_nats - it.evidence_nats)
+    of_what_counts(it, settled.counts)
+}
+
+/// The evidence of an effect, where of a nat that it gains so much counts; what it pays for its size it pays all the same.
+fn of_what_counts(it: &Weighed, counts: f64) -> f64 {
+    counts * it.gain_nats - (it.gain_nats - it.evidence_nats)
 }
 
 /// Sizes as they were found together.
