@@ -6,7 +6,7 @@ use asami_gap::{Likelihood, Planted, Variant};
 use asami_math::elementary::exp;
 use serde::{Deserialize, Serialize};
 
-use super::next::Next;
+use super::next::{Advised, Next};
 use super::referee::{Effect, HALF_SD, Reference, stands_for};
 
 /// The word for no cause.
@@ -60,7 +60,10 @@ pub struct Answer {
     pub closed_claimed: Option<f64>,
     /// Of *unknown*: what it is said to behave like.
     pub behaves_like: Option<String>,
-    /// Of a tie: what the log that was asked for next shows of it.
+    /// Of a tie: what is asked for next.
+    #[serde(default)]
+    pub advised: Option<Advised>,
+    /// And what that shows of it.
     #[serde(default)]
     pub next: Option<Next>,
     /// Why there is no diagnosis; empty if there is one.

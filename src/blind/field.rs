@@ -11,16 +11,17 @@ use asami_gap::answer::rivals::{AllAtOnce, ForwardSelection};
 use asami_gap::weigh::practice::Case;
 use asami_gap::{Budget, CannotDiagnose, Diagnoser, Diagnoses, Diagnosis, Judges, Variant};
 
-use super::scenario::{Asked, Blind};
+use super::next::Driven;
+use super::scenario::Blind;
 use super::walk::Contest;
 use crate::diagnose::courses::Played;
 use crate::diagnose::progress::Listener;
 use crate::diagnose::shelf::{CannotShelve, Shelf, Shelved};
-use crate::scenario::Simulation;
 
 /// All that take part in a blind sweep.
-pub struct Field {
-    asked: Asked,
+pub struct Field<'a> {
+    blind: &'a Blind,
+    shelf: Shelf<'a>,
     shelved: Shelved,
     cases: Vec<Case>,
     /// Where the next experiment is asked for.
@@ -29,13 +30,13 @@ pub struct Field {
     calibrations: Mutex<BTreeMap<Vec<String>, Calibration>>,
 }
 
-impl Field {
+impl<'a> Field<'a> {
     /// The library and the calibration cases for a blind scenario: those that are kept in `libraries` are read, the others
     /// made there.
     ///
     /// # Errors
     /// [`CannotShelve`] where the nominal world cannot be played, or a file not be written.
-    pub fn new(blind: &Blind, libraries: &Path, listener: &dyn Listener) -> Result<Self, CannotShelve> {
+    pub fn new(blind: &'a Blind, libraries: &Path, listener: &'a dyn Listener) -> Result<Self, CannotShelve> {
         let on: Vec<String> = blind.world.effects.iter().map(|effect| effect.about().name.to_owned()).collect();
         let variants = Variant::all(blind.world.robot.name(), blind.world.field.beacons.len(), &on);
         let shelf = Shelf { folder: libraries.to_owned(), budget: Budget::of(blind.world.robot.name()), listener };
@@ -46,7 +47,8 @@ impl Field {
             cases = shelved.cases(&blind.world, blind.world.duration_s, make, listener)?;
         }
         let courses = blind.asked.next_experiment.then(|| Played::new(&blind.world, blind.world.duration_s));
-        let field = Self { asked: blind.asked.clone(), shelved, cases, courses, calibrations: Mutex::default() };
+        courses.iter().for_each(Played::play_ahead);
+        let field = Self { blind, shelf, shelved, cases, courses, calibrations: Mutex::default() };
         field.calibrated(&[]);
         Ok(field)
     }
@@ -66,7 +68,7 @@ impl Field {
 
 /// Ours, with a catalogue and a calibration of its own.
 struct Ours<'a> {
-    field: &'a Field,
+    field: &'a Field<'a>,
     calibration: Calibration,
     variants: Vec<Variant>,
 }
@@ -84,7 +86,7 @@ impl Diagnoses for Ours<'_> {
     }
 }
 
-impl Contest for Field {
+impl Contest for Field<'_> {
     fn judges(&self) -> &dyn Judges {
         &self.shelved.library
     }
@@ -97,7 +99,7 @@ impl Contest for Field {
         let is_in = |variant: &&Variant| !without.iter().any(|name| name == variant.about.name);
         let variants: Vec<Variant> = self.shelved.variants.iter().filter(is_in).cloned().collect();
         let judges: &dyn Judges = &self.shelved.library;
-        let rivals = &self.asked.rivals;
+        let rivals = &self.blind.asked.rivals;
         let of = |name: &String| -> Box<dyn Diagnoses + '_> {
             let variants = variants.clone();
             match name.as_str() {
@@ -111,11 +113,13 @@ impl Contest for Field {
                 _ => Box::new(Ours { field: self, calibration: self.calibrated(without), variants }),
             }
         };
-        self.asked.diagnosers.iter().map(of).collect()
+        self.blind.asked.diagnosers.iter().map(of).collect()
     }
 
-    fn driven(&self, keys: &str) -> Option<Simulation> {
-        self.courses.as_ref().and_then(|played| played.driven(keys))
+    fn driven(&self, keys: &str) -> Result<Option<Driven<'_>>, CannotShelve> {
+        let Some(world) = self.courses.as_ref().and_then(|played| played.driven(keys)) else { return Ok(None) };
+        let shelved = self.shelf.library(&self.blind.nominal, &world, &self.shelved.variants)?;
+        Ok(Some(Driven { world, judges: Box::new(shelved.library) }))
     }
 
     fn fingerprint(&self) -> String {

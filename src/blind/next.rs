@@ -1,17 +1,54 @@
 //! What came of the advice on what to record next: where causes are tied, the advised log is recorded in the true world, and
-//! beside it another with the old commands, as long.
+//! beside it another with the old commands, as long. Each is judged by what is known of the nominal world so driven: whoever
+//! records a log with other commands has a scenario with other commands, and a library of its own.
 
-use asami_gap::Diagnosis;
+use std::collections::BTreeSet;
+
+use asami_dataset::{Log, Seed};
+use asami_gap::{Diagnosis, Judges};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::answer::{Key, NONE, UNKNOWN};
+use super::answer::{Answer, Key, NONE, UNKNOWN};
 use super::draw::{Case, Planting};
 use super::referee::{speaks_for, stands_for};
-use super::walk::Contest;
+use super::walk::{CannotRun, Contest, Record};
 use crate::scenario::Simulation;
+use crate::sweep::CannotSweep;
 
 /// A log that speaks for the truth by so many nats has split the tie: odds of 20 to 1.
 const SPLIT_NATS: f64 = 3.0;
+
+/// What a diagnoser asks for of a tie that holds the truth.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Advised {
+    /// The keys that make the robot drive so.
+    pub keys: String,
+    /// For how long, in seconds; as long as the log where it does not say.
+    pub length_s: Option<f64>,
+    /// By how many nats the two would part.
+    pub promised_nats: Option<f64>,
+    /// The truth, and what it is tied with.
+    pub tied: [String; 2],
+}
+
+impl Advised {
+    /// What a diagnosis asks for; `None` where it asks for nothing, or the truth is not one of the two most probable effects.
+    #[must_use]
+    pub fn of(diagnosis: &Diagnosis, key: &Key<'_>) -> Option<Self> {
+        let promised_nats = diagnosis.next_nats.map(|[_, promised]| promised);
+        let (keys, length_s) = (diagnosis.next_keys.clone()?, diagnosis.next_length_s);
+        Some(Self { keys, length_s, promised_nats, tied: tied(diagnosis, key)?.map(str::to_owned) })
+    }
+}
+
+/// A nominal world driven otherwise.
+pub struct Driven<'a> {
+    /// The world.
+    pub world: Simulation,
+    /// The likelihood of its logs.
+    pub judges: Box<dyn Judges + 'a>,
+}
 
 /// By how many nats another log speaks for the truth over what it was tied with, by the referee's likelihood.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,27 +76,61 @@ impl Next {
     }
 }
 
-/// Records both logs and asks them; `None` where nothing was advised, or the truth is not one of the two that were tied.
+/// Records what was advised in all these cases and is not recorded yet, and asks it; `keep` is given each case that is done. Ways
+/// to drive are taken one after the other, cases with the same one in parallel.
+///
+/// # Errors
+/// [`CannotRun`] where the world so driven cannot be played, or a file not be written.
 pub(super) fn follow(
-    diagnosis: &Diagnosis,
-    key: &Key<'_>,
+    records: &mut [Record],
+    contest: &dyn Contest,
+    planting: &Planting,
+    keep: &(dyn Fn(&Record) -> Result<(), CannotSweep> + Sync),
+) -> Result<(), CannotRun> {
+    let ways: BTreeSet<String> = records.iter().flat_map(|record| &record.answers).filter_map(waits_for).collect();
+    for keys in &ways {
+        let Some(driven) = contest.driven(keys)? else { continue };
+        let waits = |answer: &Answer| waits_for(answer).as_ref() == Some(keys);
+        let waiting = records.par_iter_mut().with_max_len(1).filter(|record| record.answers.iter().any(waits));
+        waiting.try_for_each(|record| {
+            let case = planting.case(record.number);
+            for answer in record.answers.iter_mut().filter(|answer| waits(answer)) {
+                let advised = answer.advised.as_ref();
+                answer.next = advised.and_then(|advised| recorded(advised, &driven, contest, planting, &case));
+            }
+            keep(record)
+        })?;
+    }
+    Ok(())
+}
+
+/// The keys of what is advised, until it is recorded.
+fn waits_for(answer: &Answer) -> Option<String> {
+    answer.advised.as_ref().filter(|_| answer.next.is_none()).map(|advised| advised.keys.clone())
+}
+
+/// Both logs of a case, and what they say; `None` where one of them shows nothing.
+fn recorded(
+    advised: &Advised,
+    driven: &Driven<'_>,
     contest: &dyn Contest,
     planting: &Planting,
     case: &Case,
 ) -> Option<Next> {
-    let advised = contest.driven(diagnosis.next_keys.as_deref()?)?;
-    let [truth, rival] = tied(diagnosis, key)?;
-    let seed = planting.seed_of_next(case.number);
-    let nats = |nominal: Simulation| {
-        let duration_s = diagnosis.next_length_s.unwrap_or(nominal.duration_s);
-        let nominal = Simulation { duration_s, ..nominal };
-        let driven = Planting { nominal, ..planting.clone() };
-        let log = driven.simulate(&Case { seed, ..case.clone() }, "").ok()?.log;
-        let likelihood = contest.judges().of(&log).ok()?;
+    let [truth, rival] = &advised.tied;
+    let seed: Seed = planting.seed_of_next(case.number);
+    let nats = |world: &Simulation, judges: &dyn Judges| {
+        let duration_s = advised.length_s.unwrap_or(world.duration_s);
+        let recording = Planting { nominal: Simulation { duration_s, ..world.clone() }, ..planting.clone() };
+        let log: Log = recording.simulate(&Case { seed, ..case.clone() }, "").ok()?.log;
+        let likelihood = judges.of(&log).ok()?;
         Some(speaks_for(&*likelihood, [truth, rival], contest.variants()))
     };
-    let promised_nats = diagnosis.next_nats.map(|[_, promised]| promised);
-    Some(Next { advised_nats: nats(advised)?, again_nats: nats(planting.nominal.clone())?, promised_nats })
+    Some(Next {
+        advised_nats: nats(&driven.world, &*driven.judges)?,
+        again_nats: nats(&planting.nominal, contest.judges())?,
+        promised_nats: advised.promised_nats,
+    })
 }
 
 /// Of the two most probable effects the one that is the truth, and the other.

@@ -123,14 +123,8 @@ pub fn parse(
             Err(message) => fault(format!("of.{i}"), message),
         }
     }
-    let diagnosers = of.first().map(|it| it.asked.diagnosers.clone()).unwrap_or_default();
-    for (i, expect) in asked.expect.iter().enumerate().filter(|_| !of.is_empty()) {
-        if !diagnosers.contains(&expect.diagnoser) {
-            fault(format!("expect.{i}.diagnoser"), format!("{} is none of the diagnosers", expect.diagnoser));
-        }
-        if expect.min.is_none() && expect.max.is_none() {
-            fault(format!("expect.{i}"), "an expected answer must have min, max or both".into());
-        }
+    if let Some(first) = of.first() {
+        faults.extend(Expect::faults(&asked.expect, &first.asked.diagnosers));
     }
     if faults.is_empty() {
         Ok(Some(Pool { name: name.to_owned(), asked, of }))

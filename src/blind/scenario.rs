@@ -261,6 +261,25 @@ fn change(table: &mut toml::Table, by: &toml::Table) {
     }
 }
 
+impl Expect {
+    /// What is wrong with those that are asked of these diagnosers.
+    #[must_use]
+    pub fn faults(expected: &[Self], diagnosers: &[String]) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        for (i, expect) in expected.iter().enumerate() {
+            if !diagnosers.contains(&expect.diagnoser) {
+                let message = format!("{} is none of the diagnosers", expect.diagnoser);
+                faults.push(Fault { path: format!("expect.{i}.diagnoser"), message });
+            }
+            if expect.min.is_none() && expect.max.is_none() {
+                let message = "an expected answer must have min, max or both".to_owned();
+                faults.push(Fault { path: format!("expect.{i}"), message });
+            }
+        }
+        faults
+    }
+}
+
 impl Asked {
     /// What is taken out of the catalogue for a case with these effects.
     #[must_use]
@@ -336,14 +355,7 @@ impl Asked {
                 fault(format!("diagnosers.{i}"), message);
             }
         }
-        for (i, expect) in self.expect.iter().enumerate() {
-            if !self.diagnosers.contains(&expect.diagnoser) {
-                fault(format!("expect.{i}.diagnoser"), format!("{} is none of the diagnosers", expect.diagnoser));
-            }
-            if expect.min.is_none() && expect.max.is_none() {
-                fault(format!("expect.{i}"), "an expected answer must have min, max or both".into());
-            }
-        }
+        faults.extend(Expect::faults(&self.expect, &self.diagnosers));
         faults.extend(out_of_range("", &CASES, self.cases as f64));
         faults.extend(out_of_range("", &DURATION, self.duration_s));
         self.mix.check("mix", &mut faults);

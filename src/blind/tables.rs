@@ -224,8 +224,8 @@ fn next_logs(results: &Results) -> Table {
     let mut table = Table::new("What to record next", &heads).caption(
         "Logs in which the truth is one of the two most probable effects, neither is ruled out, and commands are advised \
          that should split them. Both logs are then recorded in the true world, as long as is advised: driven so, and with \
-         the old commands. Split: the log speaks for the truth by 3 nats and more. Good: >= 0.8 as advised, and more than \
-         by old commands.",
+         the old commands, and each is held against the nominal world driven alike. Split: the log speaks for the truth by 3 nats \
+         and more. Good: >= 0.8 as advised, and more than by old commands.",
     );
     for (i, name) in results.question.diagnosers.iter().enumerate() {
         let all: Vec<Asked<'_>> = asked(results, i).collect();

@@ -12,11 +12,11 @@ use serde::{Deserialize, Serialize};
 use super::answer::{Answer, Key};
 use super::draw::{Case, Planting};
 use super::folder::{CannotOpen, Folder};
-use super::next;
+use super::next::{self, Advised, Driven};
 use super::referee::{self, Reference};
 use super::scenario::{Asked, Blind, Expect};
 use crate::diagnose::limits::limits;
-use crate::scenario::Simulation;
+use crate::diagnose::shelf::CannotShelve;
 use crate::sweep::cases::Store;
 use crate::sweep::{CannotSweep, Options, Timing, Watcher};
 use crate::trial::{self, panic_message};
@@ -33,7 +33,10 @@ pub trait Contest: Sync {
     fn diagnosers(&self, without: &[String]) -> Vec<Box<dyn Diagnoses + '_>>;
 
     /// The nominal world driven as a diagnosis advises, by its keys; `None` where nobody advises.
-    fn driven(&self, keys: &str) -> Option<Simulation>;
+    ///
+    /// # Errors
+    /// [`CannotShelve`] where it cannot be played, or what it does not be kept.
+    fn driven(&self, keys: &str) -> Result<Option<Driven<'_>>, CannotShelve>;
 
     /// A hash of everything that they have beside the scenario: library, calibration.
     fn fingerprint(&self) -> String;
@@ -135,6 +138,9 @@ pub enum CannotRun {
     /// Another program's cases cannot be used.
     #[error(transparent)]
     Open(#[from] CannotOpen),
+    /// What was advised cannot be played.
+    #[error(transparent)]
+    Shelve(#[from] CannotShelve),
 }
 
 /// Runs the cases that are not done yet, and gives all of them.
@@ -155,13 +161,13 @@ pub fn run(
     Ok(Results::new(blind, records))
 }
 
-/// Cases drawn by the salt: each is simulated, diagnosed and scored at once.
+/// Cases drawn by the salt: each is simulated, diagnosed and scored at once; what they are advised to record next comes after all.
 fn drawn(
     blind: &Blind,
     contest: &dyn Contest,
     options: &Options,
     watcher: &dyn Watcher,
-) -> Result<Vec<Record>, CannotSweep> {
+) -> Result<Vec<Record>, CannotRun> {
     let parts = [blind.hash(), contest.fingerprint(), options.program.clone()];
     let store = Store::open(&options.out, blake3::hash(parts.join("\n").as_bytes()).to_hex().as_ref())?;
     let planting = Planting {
@@ -171,7 +177,11 @@ fn drawn(
         places: blind.asked.places.clone(),
     };
     let make = |number: usize| run_case(blind, contest, &planting, &planting.case(number));
-    each(&store, blind, options, watcher, &make, &|record: &Record| (!record.is_broken(), record.timing.clone()))
+    let worth = |record: &Record| (!record.is_broken(), record.timing.clone());
+    let mut records = each(&store, blind, options, watcher, &make, &worth)?;
+    let keep = |record: &Record| store.keep(&name(record.number), record);
+    pool(options)?.install(|| next::follow(&mut records, contest, &planting, &keep))?;
+    Ok(records)
 }
 
 /// Another program's cases: all are diagnosed, and what is said of them written down, before the first key is opened.
@@ -198,9 +208,7 @@ fn foreign(
     let timing = |told: &Vec<Told>| Timing { log_s: 0.0, trials_s: told.iter().map(|it| it.took_s).collect() };
     let kept = |told: &Vec<Told>| (told.iter().all(|it| !it.panicked()), timing(told));
     let told = each(&store, blind, options, watcher, &make, &kept)?;
-    let pool =
-        rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build().map_err(CannotSweep::from)?;
-    let records = pool.install(|| {
+    let records = pool(options)?.install(|| {
         let all = told.into_par_iter().enumerate().with_max_len(1);
         all.map(|(i, told)| open_and_score(blind, contest, folder, i, told)).collect::<Result<Vec<_>, _>>()
     });
@@ -219,8 +227,7 @@ fn each<R: Serialize + DeserializeOwned + Send>(
     let numbers: Vec<usize> = (1..=blind.asked.cases).collect();
     let found = store.find::<R>(&numbers.iter().map(|number| name(*number)).collect::<Vec<_>>())?;
     watcher.begins(&found.count, blind.asked.diagnosers.len());
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build()?;
-    pool.install(|| {
+    pool(options)?.install(|| {
         let work: Vec<_> = numbers.into_iter().zip(found.records).collect();
         work.into_par_iter()
             // One at a time: a case takes seconds, and a thread must not sit on a queue of them.
@@ -239,6 +246,11 @@ fn each<R: Serialize + DeserializeOwned + Send>(
             })
             .collect()
     })
+}
+
+/// As many threads as are asked for.
+fn pool(options: &Options) -> Result<rayon::ThreadPool, CannotSweep> {
+    Ok(rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build()?)
 }
 
 /// The file of a case in the folder of finished ones.
@@ -300,11 +312,9 @@ fn run_case(blind: &Blind, contest: &dyn Contest, planting: &Planting, case: &Ca
     for (i, diagnoser) in diagnosers.iter().enumerate().take(record.answers.len()) {
         let told = tell(&**diagnoser, &log);
         record.timing.trials_s[i] = told.took_s;
-        let next = match &told.said {
-            Ok(diagnosis) if blind.asked.next_experiment => next::follow(diagnosis, &key, contest, planting, case),
-            _ => None,
-        };
-        record.answers[i] = Answer { next, ..told.scored(&key) };
+        let asks = told.said.as_ref().ok().filter(|_| blind.asked.next_experiment);
+        let advised = asks.and_then(|diagnosis| Advised::of(diagnosis, &key));
+        record.answers[i] = Answer { advised, ..told.scored(&key) };
     }
     record.reference = Some(reference);
     record

@@ -34,6 +34,13 @@ impl Played {
         Self { simulation: simulation.clone(), length_s, courses: OnceLock::new(), again: OnceLock::new() }
     }
 
+    /// Plays all of them now. Threads that share work must not wait for one another to play them: the one that plays may
+    /// meanwhile be given work that waits for itself.
+    pub fn play_ahead(&self) {
+        self.courses();
+        self.again();
+    }
+
     /// The world driven as these keys have it.
     #[must_use]
     pub fn driven(&self, keys: &str) -> Option<Simulation> {

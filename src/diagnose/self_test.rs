@@ -55,6 +55,7 @@ pub fn self_test(
 ) -> Result<Counts, CannotSimulate> {
     let nominal = Simulation { duration_s: length_s, ..(*ready.held.simulation).clone() };
     let planting = Planting { nominal, salt: SALT.to_owned(), mix: Mix::default(), places: Vec::new() };
+    ready.courses.play_ahead();
     listener.begins("self-test", 0, cases);
     let counts = Mutex::new(Counts::default());
     (0..cases).into_par_iter().with_max_len(1).try_for_each(|i| {

@@ -10,13 +10,14 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use asami::blind::answer::{Answer, Key};
+use asami::blind::next::Driven;
 use asami::blind::referee::{Effect, Reference};
 use asami::blind::scenario::{Blind, Measure, parse, read};
 use asami::blind::tally::{Asked, Share, asked, confusion, measure, power, reliability};
 use asami::blind::walk::{Contest, Record, Results, run};
 use asami::blind::{rows, tables};
+use asami::diagnose::shelf::CannotShelve;
 use asami::report;
-use asami::scenario::Simulation;
 use asami::sweep::{Options, Silent, Timing};
 use asami_dataset::Log;
 use asami_gap::{CannotDiagnose, Diagnoses, Diagnosis, Judges, Likelihood, Planted, Variant};
@@ -117,8 +118,8 @@ impl Contest for StandIns {
         vec![of("asami"), of("forward_selection")]
     }
 
-    fn driven(&self, _: &str) -> Option<Simulation> {
-        None
+    fn driven(&self, _: &str) -> Result<Option<Driven<'_>>, CannotShelve> {
+        Ok(None)
     }
 
     fn fingerprint(&self) -> String {

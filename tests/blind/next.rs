@@ -1,11 +1,14 @@
 //! What is recorded next: in the true world, as advised and again, and asked of the two that were tied.
 
+use std::path::Path;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use asami::blind::next::Next;
+use asami::blind::next::{Driven, Next};
 use asami::blind::scenario::{Measure, parse};
 use asami::blind::tally::{asked, measure};
 use asami::blind::walk::{Contest, Results, run};
+use asami::diagnose::shelf::CannotShelve;
 use asami::report;
 use asami::scenario::{Policy, Simulation};
 use asami::sweep::Silent;
@@ -19,13 +22,13 @@ use super::{ASKED, PLAIN, blind, options};
 /// Logs as advised go on for longer than others, by which they are known here.
 const ADVISED_S: f64 = 30.0;
 
-/// A log speaks for a delay by 9 nats over everything else where it was driven as advised, by 1 where it was not.
-struct Long(bool);
+/// By so many nats a log speaks for a delay over everything else.
+struct ForDelay(f64);
 
-impl Likelihood for Long {
+impl Likelihood for ForDelay {
     fn blocks(&self, effects: &[Planted]) -> Vec<f64> {
         let is_delay = effects.iter().any(|it| it.variant.about.name == "command_delay");
-        vec![if is_delay { if self.0 { 9.0 } else { 1.0 } } else { 0.0 }]
+        vec![if is_delay { self.0 } else { 0.0 }]
     }
 
     fn observations(&self) -> usize {
@@ -68,13 +71,28 @@ struct Advises {
     world: Simulation,
     length_s: Option<f64>,
     seen: Mutex<Vec<Log>>,
+    learned: AtomicUsize,
 }
 
 impl Judges for Advises {
     fn of<'a>(&'a self, log: &'a Log) -> Result<Box<dyn Likelihood + 'a>, CannotDiagnose> {
         self.seen.lock().expect("free").push(log.clone());
-        let ends_s = log.commands.last().map_or(0.0, |command| command.t_s);
-        Ok(Box::new(Long(ends_s > 6.0)))
+        Ok(Box::new(ForDelay(1.0)))
+    }
+}
+
+/// What is known of the world that is driven as advised.
+struct OfAdvised<'a>(&'a Advises);
+
+impl Judges for OfAdvised<'_> {
+    fn of<'a>(&'a self, log: &'a Log) -> Result<Box<dyn Likelihood + 'a>, CannotDiagnose> {
+        let longest_s = self.0.length_s.unwrap_or(ADVISED_S);
+        assert!(
+            log.span_s().is_some_and(|(from_s, to_s)| to_s - from_s > longest_s - 1.0),
+            "driven as it is not advised"
+        );
+        self.0.seen.lock().expect("free").push(log.clone());
+        Ok(Box::new(ForDelay(9.0)))
     }
 }
 
@@ -91,9 +109,11 @@ impl Contest for Advises {
         vec![Box::new(Tied(&self.variants, self.length_s))]
     }
 
-    fn driven(&self, keys: &str) -> Option<Simulation> {
+    fn driven(&self, keys: &str) -> Result<Option<Driven<'_>>, CannotShelve> {
         assert_eq!(keys, "explore.hold_s = 8");
-        Some(Simulation { duration_s: ADVISED_S, ..self.world.clone() })
+        self.learned.fetch_add(1, Ordering::Relaxed);
+        let world = Simulation { duration_s: ADVISED_S, ..self.world.clone() };
+        Ok(Some(Driven { world, judges: Box::new(OfAdvised(self)) }))
     }
 
     fn fingerprint(&self) -> String {
@@ -101,22 +121,33 @@ impl Contest for Advises {
     }
 }
 
+fn advises(text: &str, length_s: Option<f64>) -> Advises {
+    let (variants, world) = (Variant::all("plain", 4, &[]), blind(text).world);
+    Advises { variants, world, length_s, seen: Mutex::default(), learned: AtomicUsize::default() }
+}
+
+fn sweep(text: &str, contest: &Advises, out: &Path) -> Results {
+    let results = run(&blind(text), contest, &options(out, 1), &Silent).expect("run");
+    report::blind::write(&results, "test", out).expect("written");
+    results
+}
+
 fn swept(text: &str, length_s: Option<f64>) -> (Results, Vec<Log>) {
-    let blind = blind(text);
-    let dir = tempfile::tempdir().expect("made");
-    let variants = Variant::all("plain", 4, &[]);
-    let contest = Advises { variants, world: blind.world.clone(), length_s, seen: Mutex::default() };
-    let results = run(&blind, &contest, &options(dir.path(), 1), &Silent).expect("run");
-    report::blind::write(&results, "test", dir.path()).expect("written");
-    (results, contest.seen.into_inner().expect("free"))
+    let (dir, contest) = (tempfile::tempdir().expect("made"), advises(text, length_s));
+    (sweep(text, &contest, dir.path()), contest.seen.into_inner().expect("free"))
+}
+
+/// Forty cases of a diagnoser that asks for more.
+fn asking() -> String {
+    ASKED
+        .replace("duration_s = 5\ncases = 12", "duration_s = 5\ncases = 40\nnext_experiment = true")
+        .replace("[\"asami\", \"forward_selection\"]", "[\"asami\"]")
+        + "[mix]\nnone_share = 0.1\none_share = 0.8\n"
 }
 
 #[test]
 fn a_tie_is_followed_by_two_logs_of_the_true_world() {
-    let text = ASKED
-        .replace("duration_s = 5\ncases = 12", "duration_s = 5\ncases = 40\nnext_experiment = true")
-        .replace("[\"asami\", \"forward_selection\"]", "[\"asami\"]")
-        + "[mix]\nnone_share = 0.1\none_share = 0.8\n";
+    let text = asking();
     let (results, seen) = swept(&text, None);
     let mut followed = 0;
     for record in &results.records {
@@ -145,6 +176,24 @@ fn a_tie_is_followed_by_two_logs_of_the_true_world() {
     let (unasked, seen) = swept(&text.replace("next_experiment = true", "next_experiment = false"), None);
     assert!(unasked.records.iter().all(|record| record.answers[0].next.is_none()));
     assert_eq!(seen.len(), 40);
+}
+
+#[test]
+fn what_was_recorded_next_is_not_recorded_again() {
+    let text = asking();
+    let (dir, contest) = (tempfile::tempdir().expect("made"), advises(&text, None));
+    let first = sweep(&text, &contest, dir.path());
+    let count = || (contest.seen.lock().expect("free").len(), contest.learned.load(Ordering::Relaxed));
+    let (seen, learned) = count();
+    assert_eq!(learned, 1, "one way to drive is learned once for all cases");
+    assert_eq!(sweep(&text, &contest, dir.path()), first);
+    assert_eq!(count(), (seen, learned));
+    let followed = first.records.iter().find(|it| it.answers[0].next.is_some()).expect("some").number;
+    std::fs::remove_file(dir.path().join(format!("cases/{followed:05}.json"))).expect("there");
+    let again = sweep(&text, &contest, dir.path());
+    let answers = |of: &Results| of.records.iter().map(|record| record.answers.clone()).collect::<Vec<_>>();
+    assert_eq!(answers(&again), answers(&first));
+    assert_eq!(count(), (seen + 3, 2), "its own log and two more");
 }
 
 #[test]

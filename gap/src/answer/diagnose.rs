@@ -73,17 +73,18 @@ impl Diagnoser<'_> {
             Verdict::Named | Verdict::Tied => Some(judge.numbers(&planted)),
         };
         let base = &judge.numbers(&[]);
-        let next = (verdict == Verdict::Tied).then(|| self.next_experiment(judge, &findings, &ranked)).flatten();
+        let advice = (verdict == Verdict::Tied).then(|| self.next_experiment(judge, &findings, &ranked)).flatten();
+        let next = advice.as_ref().and_then(|advice| advice.next.as_ref().map(|next| (advice.parted_nats, next)));
         let added: &[Planted] = if matches!(verdict, Verdict::Named | Verdict::Tied) { &planted } else { &[] };
         Ok(Diagnosis {
             schema: SCHEMA,
             verdict,
             places: better.map_or_else(Vec::new, |better| places(judge, base, &better)),
             which: self.causes(&findings, &ranked, best.as_deref(), block.as_deref(), adequacy_p),
-            next_experiment: next.as_ref().map(|it| it.words.clone()),
-            next_nats: next.as_ref().and_then(|it| Some([it.parted_nats, it.promised_nats?])),
-            next_length_s: next.as_ref().and_then(|it| it.length_s),
-            next_keys: next.and_then(|it| it.keys),
+            next_nats: next.map(|(parted_nats, next)| [parted_nats, next.promised_nats]),
+            next_length_s: next.map(|(_, next)| next.length_s),
+            next_keys: next.map(|(_, next)| next.keys.clone()),
+            next_experiment: advice.map(|advice| advice.words),
             set90: set90.iter().map(|cause| split(cause)).collect(),
             cannot_tell_apart,
             smallest_visible: smallest_visible(judge, self.variants),

@@ -146,14 +146,21 @@ fn cautious(weighed: &Weighed) -> Weighed {
 pub struct Advice {
     /// What to record.
     pub words: String,
-    /// The keys that make the robot drive so; `None` where the log's own commands are as good as any.
-    pub keys: Option<String>,
     /// By how much they part in the log.
     pub parted_nats: f64,
-    /// By how much they are expected to part in the next one.
-    pub promised_nats: Option<f64>,
-    /// How long that should be, in seconds: it parts them surely, and is no shorter than the log.
-    pub length_s: Option<f64>,
+    /// The log that should part them; `None` where the log's own commands are as good as any.
+    pub next: Option<NextLog>,
+}
+
+/// A log that is driven otherwise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NextLog {
+    /// The keys that make the robot drive so.
+    pub keys: String,
+    /// By how much the two most probable causes are expected to part in it.
+    pub promised_nats: f64,
+    /// How long it should be, in seconds: it parts them surely, and is no shorter than the log.
+    pub length_s: f64,
 }
 
 /// What to record next to split causes; `None` of fewer than two.
@@ -181,16 +188,11 @@ pub fn advice(
             let promised_nats = promise.leading_nats * length_s / promise.length_s;
             Advice {
                 words: format!("{apart}; {}, they would part by {promised_nats:.1} in {length_s:.0} s", course.words),
-                keys: Some(course.keys.clone()),
                 parted_nats,
-                promised_nats: Some(promised_nats),
-                length_s: Some(length_s),
+                next: Some(NextLog { keys: course.keys.clone(), promised_nats, length_s }),
             }
         }
-        None => {
-            let words = once_more(&apart, own, courses.len());
-            Advice { words, keys: None, parted_nats, promised_nats: None, length_s: None }
-        }
+        None => Advice { words: once_more(&apart, own, courses.len()), parted_nats, next: None },
     })
 }
 

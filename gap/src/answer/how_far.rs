@@ -128,7 +128,7 @@ fn summary(judge: &dyn Judge, planted: &[Planted], held: &[Block]) -> HowFar {
         misfit_after: misfit(&with),
         closed: closed.then(|| 1.0 - mean(held, after) / mean(held, before)),
         interval: closed.then_some(interval),
-        channels: channels(judge, &base, &with),
+        channels: channels(judge.measured(), &base, &with),
     }
 }
 
@@ -139,12 +139,39 @@ pub fn misfit(reading: &Reading) -> f64 {
     off.fold(0.0, |sum, it| sum + it) / reading.observations.max(1) as f64
 }
 
-fn channels(judge: &dyn Judge, base: &Reading, with: &Reading) -> BTreeMap<String, Rms> {
-    let rms = |reading: &Reading, channel: usize| {
-        let genuine = reading.innovations.iter().filter(|it| it.genuine && it.channel == channel);
-        let (sum, n) = genuine.fold((0.0, 0.0), |(sum, n), it| (sum + it.plain * it.plain, n + 1.0));
-        (sum / f64::max(n, 1.0)).sqrt()
+/// Root mean squares of the same innovations in both: what is far off in one world is no mistaken sighting where it is not in
+/// the other.
+fn channels(measured: Vec<&'static str>, base: &Reading, with: &Reading) -> BTreeMap<String, Rms> {
+    let pairs = base.innovations.iter().zip(&with.innovations).filter(|(a, b)| a.genuine || b.genuine);
+    let pairs: Vec<_> = pairs.filter(|(a, b)| a.plain.is_finite() && b.plain.is_finite()).collect();
+    let of = |channel: usize| {
+        let own: Vec<[f64; 2]> =
+            pairs.iter().filter(|(a, _)| a.channel == channel).map(|(a, b)| [a.plain, b.plain]).collect();
+        let rms =
+            |k: usize| (own.iter().fold(0.0, |sum, it| sum + it[k] * it[k]) / f64::max(own.len() as f64, 1.0)).sqrt();
+        Rms { rms_before: rms(0), rms_after: rms(1) }
     };
-    let of = |channel: usize| Rms { rms_before: rms(base, channel), rms_after: rms(with, channel) };
-    judge.measured().into_iter().enumerate().map(|(channel, name)| (name.to_owned(), of(channel))).collect()
+    measured.into_iter().enumerate().map(|(channel, name)| (name.to_owned(), of(channel))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::judge::Innovation;
+
+    fn reading(plain: &[(f64, bool)]) -> Reading {
+        let of =
+            |&(plain, genuine): &(f64, bool)| Innovation { channel: 0, plain, white: plain, ln_scale: 0.0, genuine };
+        Reading { innovations: plain.iter().map(of).collect(), ..Reading::default() }
+    }
+
+    /// A world that is far off takes most of what it sees for mistakes: its few hits alone say nothing of how far off it is.
+    #[test]
+    fn innovations_are_told_of_the_same_sightings_before_and_after() {
+        let before = reading(&[(3.0, false), (-3.0, false), (0.1, true), (50.0, false), (f64::NAN, false)]);
+        let after = reading(&[(0.2, true), (-0.2, true), (0.2, true), (50.0, false), (0.2, true)]);
+        let rms = channels(vec!["size"], &before, &after)["size"];
+        assert!((rms.rms_before - (18.01_f64 / 3.0).sqrt()).abs() < 1e-12, "{rms:?}");
+        assert!((rms.rms_after - 0.2).abs() < 1e-12, "{rms:?}");
+    }
 }
