@@ -156,7 +156,7 @@ learner = "canonical"
 "#;
 
     fn found(parameters: &[(&str, f64)]) -> Cause {
-        let estimate = |value: f64| Estimate { value, interval: [value, value] };
+        let estimate = |value: f64| Estimate { value, interval: [value, value], at_end: false };
         Cause {
             effects: vec!["some".into()],
             probability: 0.9,

@@ -139,7 +139,9 @@ pub fn estimated(path: &str, estimate: &Estimate) -> String {
     let [low, high] = estimate.interval;
     let unit = unit(path).filter(|unit| *unit != "1").map(|unit| format!(" {unit}")).unwrap_or_default();
     let value = digits(estimate.value);
-    if low == high { format!("{value}{unit}") } else { format!("{value} ({} to {}){unit}", digits(low), digits(high)) }
+    let end = if estimate.at_end { ", the largest that is known" } else { "" };
+    let interval = if low == high { String::new() } else { format!(" ({} to {})", digits(low), digits(high)) };
+    format!("{value}{interval}{unit}{end}")
 }
 
 /// A size of a parameter `NAME.PARAM` with its unit.
@@ -206,6 +208,14 @@ mod tests {
         let read = [0.0812345, 1234.5, -2.345678, 0.0, 1e-7].map(digits);
         assert_eq!(read, ["0.0812", "1234", "-2.35", "0", "0.000000100"]);
         assert_eq!([0.99999, 1.0, 0.0001, 0.93].map(share), ["> 0.999", "1.000", "< 0.001", "0.930"]);
+    }
+
+    #[test]
+    fn a_value_at_the_end_of_what_is_known_says_so() {
+        let estimate = |at_end: bool| Estimate { value: 0.008, interval: [0.007, 0.008], at_end };
+        let said = |at_end: bool| estimated("steering_offset.offset_rad", &estimate(at_end));
+        assert_eq!(said(false), "0.00800 (0.00700 to 0.00800) rad");
+        assert_eq!(said(true), "0.00800 (0.00700 to 0.00800) rad, the largest that is known");
     }
 
     #[test]

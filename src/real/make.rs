@@ -175,7 +175,7 @@ mod tests {
 
     fn record(robot: u16, part: Part, value: f64, error: f64) -> Record {
         let half = 0.5 * WIDTH * error;
-        let estimate = Estimate { value, interval: [value - half, value + half] };
+        let estimate = Estimate { value, interval: [value - half, value + half], at_end: false };
         let parameters = BTreeMap::from([("turn_slowing.loss_s2".to_owned(), estimate)]);
         let named =
             Cause { effects: vec!["turn_slowing".to_owned()], parameters, ..Diagnosis::flat(&[]).which[0].clone() };

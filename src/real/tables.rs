@@ -220,8 +220,9 @@ fn held(results: &Results) -> Table {
     let heads =
         ["log", "robot", "parameter", "unit", "found", "90 % interval", "motion capture", "first half", "second half"];
     let mut table = Table::new("Sizes found in real logs, beside motion capture", &heads).caption(
-        "Motion capture's numbers are of all discrepancies together, but where of a delay and a lag one is named that one alone; a lag \
-         is on top of the nominal robot's own. Capture has a clock and a heading of its own: what a camera is late, or turned \
+        "Motion capture's numbers are of all discrepancies together, but where of a delay and a lag, or of a focal length and a lens, \
+         one is named that one alone; a lag is on top of the nominal robot's own, a scale of ranges beside a focal length what \
+         that leaves of it. Capture has a clock and a heading of its own: what a camera is late, or turned \
          against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing.",
     );
     for record in results.records.iter().filter(|record| record.part == Part::Whole) {

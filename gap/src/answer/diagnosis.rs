@@ -162,7 +162,13 @@ pub struct Estimate {
     pub value: f64,
     /// Its 90 % interval.
     pub interval: [f64; 2],
+    /// Whether the effect is at the largest size that is known: it may be larger.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub at_end: bool,
 }
+
+/// Sizes from this share of the largest on are as good as that.
+const AT_END: f64 = 0.999;
 
 impl Estimate {
     /// The values of a planted effect's parameters, by `NAME.PARAM`, with those at the ends of an interval of sizes.
@@ -170,9 +176,11 @@ impl Estimate {
     pub fn of(planted: &Planted, interval: [f64; 2]) -> Vec<(String, Self)> {
         let at = |size: f64| planted.variant.values(size);
         let ends = interval.map(at);
+        let (least, greatest) = planted.variant.sizes();
+        let at_end = least < greatest && planted.size >= AT_END * greatest;
         let values = at(planted.size).into_iter().enumerate().map(|(i, (name, value))| {
             let (a, b) = (ends[0][i].1, ends[1][i].1);
-            (format!("{}.{name}", planted.variant.about.name), Self { value, interval: [a.min(b), a.max(b)] })
+            (format!("{}.{name}", planted.variant.about.name), Self { value, interval: [a.min(b), a.max(b)], at_end })
         });
         values.collect()
     }
@@ -217,4 +225,24 @@ pub struct Rms {
     pub rms_before: f64,
     /// With the cause added.
     pub rms_after: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::Variant;
+
+    /// Of every effect the largest size is at the end, half of it is not; and what is not at the end is not written down.
+    #[test]
+    fn the_largest_size_that_is_known_is_at_the_end() {
+        for variant in Variant::all("plain", 4, &[]).iter().chain(&Variant::all("car", 0, &[])) {
+            let (least, greatest) = variant.sizes();
+            let of = |size: f64| Estimate::of(&Planted { variant: variant.clone(), size }, [least, greatest]);
+            let is_range = least < greatest;
+            assert!(of(greatest).iter().all(|(_, it)| it.at_end == is_range), "{}", variant.name());
+            assert!(of(0.5 * (least + greatest)).iter().all(|(_, it)| !it.at_end), "{}", variant.name());
+        }
+        let inside = Estimate { value: 1.0, interval: [0.5, 2.0], at_end: false };
+        assert_eq!(serde_json::to_string(&inside).unwrap(), r#"{"value":1.0,"interval":[0.5,2.0]}"#);
+    }
 }

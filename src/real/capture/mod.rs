@@ -37,18 +37,28 @@ const LEAST: usize = 30;
 pub struct Capture {
     /// Values, by `NAME.PARAM` of the effect that would bring them about.
     pub values: BTreeMap<String, f64>,
-    /// Those that differ where both are there: a delay and a lag.
-    pub together: BTreeMap<String, f64>,
+    /// Those that differ where several effects are there.
+    pub together: Vec<Together>,
     /// How much of what motion is off each of the discrepancies explains alone, the largest first.
     pub shares: Vec<(&'static str, f64)>,
+}
+
+/// Values that hold where all of some effects are there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Together {
+    /// Their names.
+    pub of: &'static [&'static str],
+    /// The values, by `NAME.PARAM`.
+    pub values: BTreeMap<String, f64>,
 }
 
 impl Capture {
     /// Has values be those beside what is named with them.
     pub fn suit(&mut self, named: &[&str]) {
-        let is_named = |parameter: &String| named.iter().any(|name| parameter.split('.').next() == Some(name));
-        if self.together.keys().all(is_named) {
-            self.values.append(&mut self.together);
+        for mut together in std::mem::take(&mut self.together) {
+            if together.of.iter().all(|name| named.contains(name)) {
+                self.values.append(&mut together.values);
+            }
         }
     }
 }
@@ -206,8 +216,8 @@ mod tests {
     #[test]
     fn what_is_named_has_the_sizes_that_suit_it() {
         let mut found = capture(&log(0.3, 0.0), 0.0);
-        let (alone, together) = (found.values.clone(), found.together.clone());
-        found.suit(&["wheel_lag", "turn_slowing"]);
+        let (alone, together) = (found.values.clone(), found.together[0].values.clone());
+        found.clone().suit(&["wheel_lag", "turn_slowing"]);
         assert_eq!(found.values, alone);
         found.suit(&["wheel_lag", "command_delay"]);
         assert_eq!(found.values["wheel_lag.lag_s"], together["wheel_lag.lag_s"]);

@@ -4,7 +4,7 @@ use asami_dataset::{Action, Command, Dataset};
 use asami_math::elementary::exp;
 use asami_math::statistics::median;
 
-use super::{Capture, LEAST, OUTLIER, ROUNDS, STEP_S, WINDOW_S, Window};
+use super::{Capture, LEAST, OUTLIER, ROUNDS, STEP_S, Together, WINDOW_S, Window};
 
 /// Delays and lags that are tried.
 const MOST_LATE_S: f64 = 0.8;
@@ -222,6 +222,6 @@ pub(super) fn motion(dataset: &Dataset, windows: &mut [Window], own_lag_s: f64, 
             capture.values.insert(name.to_owned(), value);
         }
     }
-    capture.together =
-        [(DELAY, found.late.delay_s), (LAG, own(found.late.lag_s))].map(|(name, s)| (name.to_owned(), s)).into();
+    let values = [(DELAY, found.late.delay_s), (LAG, own(found.late.lag_s))].map(|(name, s)| (name.to_owned(), s));
+    capture.together.push(Together { of: &["command_delay", "wheel_lag"], values: values.into() });
 }

@@ -1,61 +1,187 @@
 //! Sightings and where landmarks were.
 
 use asami_dataset::truth::pose_at;
-use asami_dataset::{Dataset, Size};
+use asami_dataset::{Dataset, Sighting, Size};
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, hypot, sin_cos};
+use asami_math::elementary::{atan2, hypot, sin_cos, tan};
 use asami_math::regression::least_squares;
 use asami_math::statistics::median;
 
-use super::{Capture, LEAST, OUTLIER, ROUNDS};
+use super::{Capture, LEAST, OUTLIER, ROUNDS, Together};
 
-/// What a range hangs on: an offset, the distance, what a depth lacks of it, how far a landmark lies to the left.
-type Row = [f64; 4];
+/// Turning rates are taken over so long to both sides.
+const TURNS_S: f64 = 0.1;
+/// Farther off its axis no camera sees.
+const WIDEST_RAD: f64 = 1.4;
+
+const FOCAL: &str = "focal_error";
+const LENS: &str = "lens_distortion";
+const SCALE: &str = "range_scale";
+
+/// What is to be explained, and by what.
+type Row<const N: usize> = ([f64; N], f64);
+
+/// A sighting beside where the landmark was.
+struct Seen {
+    distance_m: f64,
+    bearing_rad: f64,
+    read_m: f64,
+    read_rad: f64,
+    /// How fast the robot turned: capture has a clock of its own.
+    turning_rad_per_s: f64,
+}
+
+impl Seen {
+    fn of(dataset: &Dataset, ahead_rad: f64, seen: &Sighting) -> Option<Self> {
+        let Size::RangeM(read_m) = seen.size else { return None };
+        let log = &dataset.log;
+        let [right_m, ahead_m] = log.known.range_bearing.as_ref().map_or([0.0; 2], |it| it.sensor_origin_m);
+        let landmark = log.known.landmarks.iter().find(|it| it.id == seen.landmark)?;
+        let pose = pose_at(&dataset.truth.track, seen.t_s)?;
+        let theta_rad = pose.theta_rad + ahead_rad;
+        let (sin, cos_theta) = sin_cos(theta_rad);
+        let dx = landmark.x_m - pose.x_m - right_m * cos_theta + ahead_m * sin;
+        let dy = landmark.y_m - pose.y_m - right_m * sin - ahead_m * cos_theta;
+        let around = [-TURNS_S, TURNS_S].map(|by_s| pose_at(&dataset.truth.track, seen.t_s + by_s));
+        let turning_rad_per_s = match around {
+            [Some(before), Some(after)] => wrap_rad(after.theta_rad - before.theta_rad) / (2.0 * TURNS_S),
+            _ => 0.0,
+        };
+        let bearing_rad = wrap_rad(atan2(-dx, dy) - theta_rad);
+        Some(Self { distance_m: hypot(dx, dy), bearing_rad, read_m, read_rad: seen.bearing_rad, turning_rad_per_s })
+    }
+
+    fn off_rad(&self) -> f64 {
+        wrap_rad(self.read_rad - self.bearing_rad)
+    }
+
+    /// Its range: an offset, the distance, what a depth lacks of it, how far the landmark lies to the left.
+    fn range(&self) -> Row<4> {
+        let (sin, cos) = sin_cos(self.bearing_rad);
+        let (shortened_m, to_the_left_m) = (self.distance_m * (1.0 - cos), self.distance_m * sin);
+        ([1.0, self.distance_m, -shortened_m, to_the_left_m], self.read_m)
+    }
+
+    /// Its place in the image: where the camera looks, the landmark's tangent, its cube, how fast the robot turns.
+    fn place(&self) -> Row<4> {
+        let tangent = tan(self.bearing_rad);
+        ([1.0, tangent, tangent * tangent * tangent, self.turning_rad_per_s], tan(self.read_rad))
+    }
+}
 
 /// Ranges against distances, depths and what lies to the left, bearings against bearings from where ahead is.
 pub(super) fn sightings(dataset: &Dataset, ahead_rad: f64, capture: &mut Capture) {
-    let log = &dataset.log;
-    let [right_m, ahead_m] = log.known.range_bearing.as_ref().map_or([0.0; 2], |it| it.sensor_origin_m);
-    let rows: Vec<(Row, f64, f64)> = log
-        .sightings
-        .iter()
-        .filter_map(|seen| {
-            let Size::RangeM(range_m) = seen.size else { return None };
-            let landmark = log.known.landmarks.iter().find(|it| it.id == seen.landmark)?;
-            let pose = pose_at(&dataset.truth.track, seen.t_s)?;
-            let theta_rad = pose.theta_rad + ahead_rad;
-            let (sin, cos_theta) = sin_cos(theta_rad);
-            let dx = landmark.x_m - pose.x_m - right_m * cos_theta + ahead_m * sin;
-            let dy = landmark.y_m - pose.y_m - right_m * sin - ahead_m * cos_theta;
-            let (distance_m, bearing_rad) = (hypot(dx, dy), wrap_rad(atan2(-dx, dy) - theta_rad));
-            let (sin_bearing, cos_bearing) = sin_cos(bearing_rad);
-            let shortened_m = distance_m * (1.0 - cos_bearing);
-            let to_the_left_m = distance_m * sin_bearing;
-            Some(([1.0, distance_m, -shortened_m, to_the_left_m], range_m, wrap_rad(seen.bearing_rad - bearing_rad)))
-        })
-        .collect();
-    if rows.len() < LEAST {
+    let sightings = dataset.log.sightings.iter();
+    let all: Vec<Seen> = sightings.filter_map(|seen| Seen::of(dataset, ahead_rad, seen)).collect();
+    if all.len() < LEAST {
         return;
     }
-    let mut kept: Vec<&(Row, f64, f64)> = rows.iter().collect();
-    let mut found = [0.0, 1.0, 0.0, 0.0];
-    for _ in 0..ROUNDS {
-        let counted = kept.iter().map(|row| (row.0.to_vec(), row.1));
-        let solved = least_squares(found.len(), counted).solve().and_then(|fit| Row::try_from(fit.coefficients).ok());
-        let Some(solved) = solved else { return };
-        found = solved;
-        let off = |row: &(Row, f64, f64)| (row.1 - row.0.iter().zip(found).fold(0.0, |sum, (x, k)| sum + k * x)).abs();
-        let usual = median(&rows.iter().map(off).collect::<Vec<f64>>()).unwrap_or(0.0);
-        kept = rows.iter().filter(|row| off(row) <= OUTLIER * usual).collect();
-    }
-    let offsets: Vec<f64> = kept.iter().map(|row| row.2).collect();
-    let offset_rad = median(&offsets).unwrap_or(0.0);
+    let Some((ranges, kept)) = fitted(&all.iter().map(Seen::range).collect::<Vec<_>>()) else { return };
+    let offsets: Vec<f64> = all.iter().zip(kept).filter(|(_, kept)| *kept).map(|(seen, _)| seen.off_rad()).collect();
     let values = [
-        ("range_offset.offset_m", found[0]),
-        ("range_scale.ratio", found[1]),
-        ("depth_for_range.share", found[2] / found[1]),
-        ("range_skew.share", found[3] / found[1]),
-        ("pan_offset.offset_rad", offset_rad),
+        ("range_offset.offset_m", ranges[0]),
+        ("range_scale.ratio", ranges[1]),
+        ("depth_for_range.share", ranges[2] / ranges[1]),
+        ("range_skew.share", ranges[3] / ranges[1]),
+        ("pan_offset.offset_rad", median(&offsets).unwrap_or(0.0)),
     ];
     capture.values.extend(values.map(|(name, value)| (name.to_owned(), value)));
+    image(&all, ranges[1], capture);
+}
+
+/// How far from the image's middle landmarks seem: by a focal length that is another one, by a lens that is no pinhole, by both.
+/// A camera of a shorter focal length takes things for smaller, and so for farther away.
+fn image(all: &[Seen], range_ratio: f64, capture: &mut Capture) {
+    let seen = all.iter().filter(|it| it.bearing_rad.abs().max(it.read_rad.abs()) < WIDEST_RAD);
+    let rows: Vec<Row<4>> = seen.map(Seen::place).collect();
+    let of_focal = |&([one, r, _, turns], read): &Row<4>| ([one, r, turns], read);
+    let of_lens = |&([one, r, cube, turns], read): &Row<4>| ([one, cube, turns], read - r);
+    let focal = fitted(&rows.iter().map(of_focal).collect::<Vec<_>>());
+    let lens = fitted(&rows.iter().map(of_lens).collect::<Vec<_>>());
+    let (Some(([_, focal, _], _)), Some(([_, radial, _], _)), Some((both, _))) = (focal, lens, fitted(&rows)) else {
+        return;
+    };
+    let values = |values: &[(&str, f64)]| values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    let [focal_ratio, lens_radial, scale_ratio] = ["focal_error.ratio", "lens_distortion.radial", "range_scale.ratio"];
+    capture.values.append(&mut values(&[(focal_ratio, focal), (lens_radial, radial)]));
+    capture.together.extend([
+        Together { of: &[FOCAL, LENS], values: values(&[(focal_ratio, both[1]), (lens_radial, both[2] / both[1])]) },
+        Together { of: &[FOCAL, SCALE], values: values(&[(scale_ratio, range_ratio * focal)]) },
+        Together { of: &[FOCAL, LENS, SCALE], values: values(&[(scale_ratio, range_ratio * both[1])]) },
+    ]);
+}
+
+/// Least squares of those rows that are not of something else, and which these are; `None` where they leave something open.
+fn fitted<const N: usize>(rows: &[Row<N>]) -> Option<([f64; N], Vec<bool>)> {
+    let mut kept = vec![true; rows.len()];
+    let mut found = [0.0; N];
+    for _ in 0..ROUNDS {
+        let counted = rows.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(row, _)| (row.0.to_vec(), row.1));
+        let fit = least_squares(N, counted).solve().filter(|fit| fit.rank == N)?;
+        found = fit.coefficients.try_into().ok()?;
+        let off = |row: &Row<N>| (row.1 - row.0.iter().zip(found).fold(0.0, |sum, (x, k)| sum + k * x)).abs();
+        let usual = median(&rows.iter().map(off).collect::<Vec<f64>>()).unwrap_or(0.0);
+        kept = rows.iter().map(|row| off(row) <= OUTLIER * usual).collect();
+    }
+    Some((found, kept))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FOCAL_RATIO: f64 = 0.97;
+    const OFFSET_RAD: f64 = 0.01;
+
+    /// Landmarks all over the image of a turning robot's camera, of which every tenth is taken for another one.
+    fn seen(radial: f64) -> Vec<Seen> {
+        let of = |i: u16| {
+            let bearing_rad = 0.1 * f64::from(i % 13) - 0.6;
+            let turning_rad_per_s = 0.2 * f64::from(i % 7) - 0.6;
+            let r = tan(bearing_rad);
+            let read_rad = atan2(FOCAL_RATIO * (r + radial * r * r * r), 1.0);
+            let mistaken_rad = if i.is_multiple_of(10) { 0.5 } else { 0.0 };
+            let distance_m = 1.0 + 0.1 * f64::from(i % 11);
+            Seen {
+                distance_m,
+                bearing_rad,
+                read_m: distance_m / FOCAL_RATIO,
+                read_rad: read_rad + OFFSET_RAD + 0.03 * turning_rad_per_s + mistaken_rad,
+                turning_rad_per_s,
+            }
+        };
+        (0..2000).map(of).collect()
+    }
+
+    fn shown(radial: f64, named: &[&str]) -> Capture {
+        let mut capture = Capture::default();
+        capture.values.insert("range_scale.ratio".to_owned(), 1.0 / FOCAL_RATIO);
+        image(&seen(radial), 1.0 / FOCAL_RATIO, &mut capture);
+        capture.suit(named);
+        capture
+    }
+
+    /// A camera that takes landmarks for smaller has no wrong scale of ranges besides.
+    #[test]
+    fn a_focal_length_is_told_by_where_landmarks_are_in_the_image() {
+        let near = |named: &[&str], name: &str, expected: f64| {
+            let value = shown(0.0, named).values[name];
+            assert!((value - expected).abs() < 0.005, "{named:?} {name}: {value}, not {expected}");
+        };
+        near(&[FOCAL], "focal_error.ratio", FOCAL_RATIO);
+        near(&[SCALE], "range_scale.ratio", 1.0 / FOCAL_RATIO);
+        near(&[SCALE, FOCAL], "range_scale.ratio", 1.0);
+    }
+
+    /// What bends an image looks like a focal length where that alone is thought of.
+    #[test]
+    fn a_lens_is_told_from_a_focal_length_where_both_are_named() {
+        let both = shown(-0.2, &[FOCAL, LENS]).values;
+        assert!((both["focal_error.ratio"] - FOCAL_RATIO).abs() < 0.005, "{both:?}");
+        assert!((both["lens_distortion.radial"] + 0.2).abs() < 0.02, "{both:?}");
+        let alone = shown(-0.2, &[FOCAL]).values;
+        assert!(alone["focal_error.ratio"] < FOCAL_RATIO - 0.02, "{alone:?}");
+        let pinhole = shown(0.0, &[FOCAL, LENS]).values;
+        assert!(pinhole["lens_distortion.radial"].abs() < 0.02, "{pinhole:?}");
+    }
 }
