@@ -34,6 +34,10 @@ pub struct Map {
 const CELL_PX: f64 = 40.0;
 const TOP_PX: f64 = 56.0;
 const WIDEST_COLUMN_PX: f64 = 120.0;
+/// Between names that stand side by side.
+const GAP_PX: f64 = 6.0;
+/// Names that find no room side by side rise at 45 degrees: by this share of their length.
+const RISE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 const DOTS: &str = "\u{2026}";
 
 impl Map {
@@ -43,19 +47,22 @@ impl Map {
     /// The map as an element of an HTML page.
     #[must_use]
     pub fn inline_svg(&self) -> String {
-        let height = TOP_PX + CELL_PX * self.rows.len().max(1) as f64 + 6.0;
+        let frame = self.frame();
+        let height = frame.top + CELL_PX * self.rows.len().max(1) as f64 + 6.0;
         let mut out = svg::open(Self::WIDTH_PX, height as u32, &format!("{}: {}", self.name, self.title));
         let title = escape(&self.title);
         let _ = write!(out, "<text class=\"ink\" x=\"0\" y=\"17\" font-weight=\"600\" fill=\"{INK}\">{title}</text>");
-        let widest = self.rows.iter().map(|(name, _)| width_px(name)).fold(0.0, f64::max);
-        let left = (widest + 16.0).clamp(60.0, 0.55 * f64::from(Self::WIDTH_PX));
-        let column = (f64::from(Self::WIDTH_PX) - left) / self.columns.len().max(1) as f64;
-        let column = column.min(WIDEST_COLUMN_PX);
+        let Frame { left, top, column, is_tilted } = frame;
         for (j, name) in self.columns.iter().enumerate() {
-            text(&mut out, left + (j as f64 + 0.5) * column, TOP_PX - 8.0, "middle", "faint", FAINT, name);
+            let middle = left + (j as f64 + 0.5) * column;
+            if is_tilted {
+                tilted(&mut out, [middle, top - 8.0], name);
+            } else {
+                text(&mut out, middle, top - 8.0, "middle", "faint", FAINT, name);
+            }
         }
         for (i, (name, cells)) in self.rows.iter().enumerate() {
-            let top = TOP_PX + i as f64 * CELL_PX;
+            let top = top + i as f64 * CELL_PX;
             text(&mut out, left - 10.0, top + CELL_PX / 2.0 + 4.0, "end", "ink", INK, &shortened(name, left - 16.0));
             for (j, cell) in cells.iter().enumerate().take(self.columns.len()) {
                 patch(&mut out, [left + j as f64 * column, top, column, CELL_PX], cell.as_ref());
@@ -67,6 +74,40 @@ impl Map {
         out.push_str("</svg>");
         out
     }
+
+    /// Where cells begin, and how wide they are.
+    fn frame(&self) -> Frame {
+        let widest = |names: &mut dyn Iterator<Item = &String>| names.map(|name| width_px(name)).fold(0.0, f64::max);
+        let width = f64::from(Self::WIDTH_PX);
+        let left = (widest(&mut self.rows.iter().map(|(name, _)| name)) + 16.0).clamp(60.0, 0.55 * width);
+        let n = self.columns.len().max(1) as f64;
+        let column = ((width - left) / n).min(WIDEST_COLUMN_PX);
+        let name = widest(&mut self.columns.iter());
+        if name + GAP_PX <= column {
+            return Frame { left, top: TOP_PX, column, is_tilted: false };
+        }
+        // The last name ends where the map does.
+        let column = ((width - left - RISE * name) / (n - 0.5)).clamp(1.0, column);
+        Frame { left, top: TOP_PX + RISE * name, column, is_tilted: true }
+    }
+}
+
+/// Where a map's cells are.
+struct Frame {
+    left: f64,
+    top: f64,
+    column: f64,
+    is_tilted: bool,
+}
+
+/// A name that rises from where it begins.
+fn tilted(out: &mut String, [x, y]: [f64; 2], name: &str) {
+    let (x, y, name) = (px(x), px(y), escape(name));
+    let _ = write!(
+        out,
+        "<text class=\"faint\" x=\"{x}\" y=\"{y}\" transform=\"rotate(-45 {x} {y})\" fill=\"{FAINT}\" \
+         pointer-events=\"none\">{name}</text>"
+    );
 }
 
 fn patch(out: &mut String, [x, y, width, height]: [f64; 4], cell: Option<&Patch>) {
@@ -145,6 +186,26 @@ mod tests {
             let short = shortened("forward commands", most_px);
             assert!(short.ends_with(DOTS) && width_px(&short) <= most_px, "{short}");
             assert!(width_px(&short) > most_px - 13.0, "{short}: no letter more would fit");
+        }
+    }
+
+    /// Names of columns never lie over one another: where there is no room they rise, within the map.
+    #[test]
+    fn names_of_columns_have_room() {
+        for columns in [1, 3, 8, 17, 40] {
+            let names = ["forward", "near ranges laser by laser"];
+            for name in names {
+                let map = Map { columns: vec![name.to_owned(); columns], ..map(&[Some(0.5)]) };
+                let Frame { left, top, column, is_tilted } = map.frame();
+                let (width, end) = (width_px(name), left + columns as f64 * column);
+                assert_eq!(map.inline_svg().matches("rotate(-45").count(), if is_tilted { columns } else { 0 });
+                if is_tilted {
+                    assert!(end - 0.5 * column + RISE * width <= f64::from(Map::WIDTH_PX) + 1e-9, "{columns} {name}");
+                    assert!(top - 8.0 - RISE * width >= 20.0, "a name is in the title");
+                } else {
+                    assert!(width <= column && end <= f64::from(Map::WIDTH_PX) + 1e-9, "{columns} {name}");
+                }
+            }
         }
     }
 
