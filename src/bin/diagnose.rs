@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use asami::diagnose::progress::{Listener, Progress};
 use asami::diagnose::self_test::self_test;
 use asami::diagnose::{Answer, Asked, words};
+use asami::real::odometry::Readied;
 use asami::verb;
 use clap::Parser;
 
@@ -50,6 +51,15 @@ struct Arguments {
     /// scanner is held against the table of its own lasers, by its scans alone
     #[arg(long)]
     real: bool,
+    /// Of a real log, odometry that is noisy at each reading stands in for commands: it is averaged over S seconds
+    #[arg(long, value_name = "S", requires = "real")]
+    average_s: Option<f64>,
+    /// Of a real log, odometry stands in for commands, and a reading is of the time before it: S seconds earlier it was commanded
+    #[arg(long, value_name = "S", requires = "real")]
+    earlier_s: Option<f64>,
+    /// Of a real log's frames, which are off alike where they follow at once, one in S seconds is taken
+    #[arg(long, value_name = "S", requires = "real")]
+    every_s: Option<f64>,
     /// Where what was played is kept
     #[arg(long, value_name = "DIR", default_value = "results/library")]
     libraries: PathBuf,
@@ -58,7 +68,12 @@ struct Arguments {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     verb::main(|| {
-        let log = verb::dataset(&arguments.dataset)?.log;
+        let Arguments { average_s, earlier_s, every_s, .. } = arguments;
+        let readied = Readied { average_s, earlier_s, every_s };
+        if let Some((key, message)) = readied.faults().first() {
+            miette::bail!("--{}: {message}", key.replace('_', "-"));
+        }
+        let log = readied.of(&verb::dataset(&arguments.dataset)?.log);
         let folder = arguments.dataset.canonicalize().unwrap_or_else(|_| arguments.dataset.clone());
         let name = folder.file_name().map_or_else(|| "log".to_owned(), |name| name.to_string_lossy().into_owned());
         let asked = Asked {

@@ -5,6 +5,7 @@ use std::path::Path;
 use asami_dataset::parameters::Fault;
 use serde::{Deserialize, Serialize};
 
+use super::odometry::Readied;
 use crate::import;
 use crate::scenario::{Bad, Start, wire};
 
@@ -69,6 +70,14 @@ pub struct Source {
     pub learned_in: Option<String>,
 }
 
+impl Source {
+    /// What is made of its logs.
+    #[must_use]
+    pub fn readied(&self) -> Readied {
+        Readied { average_s: self.average_s, earlier_s: self.earlier_s, every_s: self.every_s }
+    }
+}
+
 /// Reads and checks a scenario of real logs; `None` where the file asks another kind of question, or is no TOML at all, which
 /// [`crate::scenario::read`] says better.
 ///
@@ -129,15 +138,7 @@ impl Asked {
                 fault(at("format"), format!("unknown format `{}`, expected one of {}", log.format, names.join(", ")));
                 continue;
             };
-            if let Some(average_s) = log.average_s.filter(|it| !(0.01..=10.0).contains(it)) {
-                fault(at("average_s"), format!("average_s must lie in 0.01..=10 s, not {average_s}"));
-            }
-            if let Some(earlier_s) = log.earlier_s.filter(|it| !(0.001..=1.0).contains(it)) {
-                fault(at("earlier_s"), format!("earlier_s must lie in 0.001..=1 s, not {earlier_s}"));
-            }
-            if let Some(every_s) = log.every_s.filter(|it| !(0.001..=10.0).contains(it)) {
-                fault(at("every_s"), format!("every_s must lie in 0.001..=10 s, not {every_s}"));
-            }
+            log.readied().faults().into_iter().for_each(|(key, message)| fault(at(key), message));
             if log.learned_in.is_some() && self.learning.is_none() {
                 fault(at("learned_in"), "learned_in says nothing without a table [learning]".into());
             }

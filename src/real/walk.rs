@@ -15,7 +15,6 @@ use serde::{Deserialize, Serialize};
 use super::capture::steering::of_car;
 use super::capture::{Capture, capture};
 use super::learning::{Lesson, lessons};
-use super::odometry;
 use super::scanner::{self, Checked};
 use super::scenario::{Real, Source};
 use super::tables::said;
@@ -187,10 +186,7 @@ fn imported(source: &Source, robot: Option<u16>, path: &Path) -> Result<Dataset,
     match importer.import(path, robot) {
         Ok(imported) => {
             let Dataset { log, truth, provenance } = imported.dataset;
-            let log = source.average_s.map_or_else(|| log.clone(), |over_s| odometry::averaged(&log, over_s));
-            let log = source.earlier_s.map_or_else(|| log.clone(), |by_s| odometry::earlier(&log, by_s));
-            let log = source.every_s.map_or_else(|| log.clone(), |every_s| odometry::thinned(&log, every_s));
-            Ok(Dataset { log, truth, provenance })
+            Ok(Dataset { log: source.readied().of(&log), truth, provenance })
         }
         Err(error) if path.exists() => Err(miette::miette!("{error}")),
         Err(error) => Err(miette::miette!(help = "if it lies elsewhere: --only NAME --data DIR", "{error}")),

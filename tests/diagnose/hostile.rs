@@ -53,9 +53,16 @@ fn what_shows_nothing_is_said_and_exits_2() {
         assert_eq!(refused.status.code(), Some(2), "{}", said(&refused.stderr));
         assert!(said(&refused.stderr).contains(why), "{why}: {}", said(&refused.stderr));
     }
-    let mistyped = bench.diagnose(&bench.path("whole"), "out", &["--without", "comand_delay"]);
-    assert_eq!(mistyped.status.code(), Some(2));
-    assert!(said(&mistyped.stderr).contains("did you mean command_delay?"), "{}", said(&mistyped.stderr));
+    for (options, why) in [
+        (&["--without", "comand_delay"][..], "did you mean command_delay?"),
+        (&["--real", "--every-s", "0"], "--every-s: every_s must lie in 0.001..=10 s, not 0"),
+        (&["--real", "--earlier-s", "1.5"], "--earlier-s: earlier_s must lie in 0.001..=1 s, not 1.5"),
+        (&["--average-s", "1"], "--real"),
+    ] {
+        let mistyped = bench.diagnose(&bench.path("whole"), "out", options);
+        assert_eq!(mistyped.status.code(), Some(2), "{options:?}");
+        assert!(said(&mistyped.stderr).contains(why), "{}", said(&mistyped.stderr));
+    }
     assert!(!bench.path("out").exists() && !bench.path("libraries").exists());
 }
 

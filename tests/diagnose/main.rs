@@ -6,7 +6,9 @@ mod self_test;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use asami::real::odometry;
 use asami::scenario::{self, Origin};
+use asami_dataset::store;
 use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::Verdict;
 
@@ -158,4 +160,16 @@ fn several_effects_of_a_real_log_are_named_and_repaired() {
         simulation.effects.height_bias.map(|it| it.bias_px / 1.5),
     ];
     assert!(found.iter().all(|it| it.is_some_and(|ratio| (ratio - 1.0).abs() < 0.2)), "{found:?}");
+
+    // One frame in half a second is what a log of such frames shows, and less than all of them do.
+    let mut thin = store::read(&log).expect("written");
+    thin.log = odometry::thinned(&thin.log, 0.5);
+    store::write(&thin, &bench.path("thin")).expect("written");
+    let by_option = bench.diagnose_with(&kept_library(), &log, "by_option", &["--real", "--every-s", "0.5"]);
+    let by_itself = bench.diagnose_with(&kept_library(), &bench.path("thin"), "by_itself", &["--real"]);
+    for done in [by_option, by_itself] {
+        assert_eq!(done.status.code(), Some(0), "{}", said(&done.stderr));
+    }
+    assert_eq!(answer(&bench.path("by_option")), answer(&bench.path("by_itself")));
+    assert_ne!(answer(&bench.path("by_option")), diagnosis);
 }
