@@ -4,7 +4,6 @@
 
 use std::collections::BTreeSet;
 
-use asami_dataset::{Log, Seed};
 use asami_gap::{Diagnosis, Judges};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -87,16 +86,16 @@ pub(super) fn follow(
     planting: &Planting,
     keep: &(dyn Fn(&Record) -> Result<(), CannotSweep> + Sync),
 ) -> Result<(), CannotRun> {
-    let ways: BTreeSet<String> = records.iter().flat_map(|record| &record.answers).filter_map(waits_for).collect();
+    let waiting = records.iter().flat_map(|record| &record.answers).filter_map(waits_for);
+    let ways: BTreeSet<String> = waiting.map(|advised| advised.keys.clone()).collect();
     for keys in &ways {
         let Some(driven) = contest.driven(keys)? else { continue };
-        let waits = |answer: &Answer| waits_for(answer).as_ref() == Some(keys);
+        let waits = |answer: &Answer| waits_for(answer).is_some_and(|advised| advised.keys == *keys);
         let waiting = records.par_iter_mut().with_max_len(1).filter(|record| record.answers.iter().any(waits));
         waiting.try_for_each(|record| {
             let case = planting.case(record.number);
             for answer in record.answers.iter_mut().filter(|answer| waits(answer)) {
-                let advised = answer.advised.as_ref();
-                answer.next = advised.and_then(|advised| recorded(advised, &driven, contest, planting, &case));
+                answer.next = waits_for(answer).and_then(|it| recorded(it, &driven, contest, planting, &case));
             }
             keep(record)
         })?;
@@ -104,9 +103,9 @@ pub(super) fn follow(
     Ok(())
 }
 
-/// The keys of what is advised, until it is recorded.
-fn waits_for(answer: &Answer) -> Option<String> {
-    answer.advised.as_ref().filter(|_| answer.next.is_none()).map(|advised| advised.keys.clone())
+/// What is advised, until it is recorded.
+fn waits_for(answer: &Answer) -> Option<&Advised> {
+    answer.advised.as_ref().filter(|_| answer.next.is_none())
 }
 
 /// Both logs of a case, and what they say; `None` where one of them shows nothing.
@@ -118,11 +117,11 @@ fn recorded(
     case: &Case,
 ) -> Option<Next> {
     let [truth, rival] = &advised.tied;
-    let seed: Seed = planting.seed_of_next(case.number);
+    let seed = planting.seed_of_next(case.number);
     let nats = |world: &Simulation, judges: &dyn Judges| {
         let duration_s = advised.length_s.unwrap_or(world.duration_s);
         let recording = Planting { nominal: Simulation { duration_s, ..world.clone() }, ..planting.clone() };
-        let log: Log = recording.simulate(&Case { seed, ..case.clone() }, "").ok()?.log;
+        let log = recording.simulate(&Case { seed, ..case.clone() }, "").ok()?.log;
         let likelihood = judges.of(&log).ok()?;
         Some(speaks_for(&*likelihood, [truth, rival], contest.variants()))
     };
