@@ -11,6 +11,7 @@ use asami_gap::library::{Budget, play};
 use asami_gap::race::Pace;
 use asami_gap::real::crossed::Crossed;
 use asami_gap::real::folds::Folds;
+use asami_gap::real::kin::Kin;
 use asami_gap::real::layers::{Least, layers, planted as of_layers};
 use asami_gap::shape::Numbers;
 use asami_gap::view::View;
@@ -235,7 +236,8 @@ fn folds_of_one_noise_are_one_log() {
         assert!(beside.abs() < 1e-6 || crossed.beside(&nominal, &pace) < pace.total() - 60.0, "{beside}");
     }
     assert_eq!(crossed.regimes(), whole.regimes());
-    let found = layers(&crossed, &variants(), Least { nats: 10.0, share: 0.0, share_together: 0.0, late_once: true });
+    let least = Least { nats: 10.0, share: 0.0, share_together: 0.0, late_once: true, kin: Kin::NONE };
+    let found = layers(&crossed, &variants(), &least);
     assert_eq!(of_layers(&found).len(), 1, "{found:?}");
 }
 

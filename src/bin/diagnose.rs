@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use asami::diagnose::progress::{Listener, Progress};
 use asami::diagnose::self_test::self_test;
-use asami::diagnose::{Answer, Asked, words};
+use asami::diagnose::{Answer, Asked, kin, words};
 use asami::real::odometry::Readied;
 use asami::verb;
 use clap::Parser;
@@ -60,6 +60,10 @@ struct Arguments {
     /// Of a real log's frames, which are off alike where they follow at once, one in S seconds is taken
     #[arg(long, value_name = "S", requires = "real")]
     every_s: Option<f64>,
+    /// Of a real robot, the diagnosis.json of another of its make, by its own log: what others have, it is expected to have, and what
+    /// none of them has, it is not; may be given again
+    #[arg(long, value_name = "FILE", requires = "real")]
+    kin: Vec<PathBuf>,
     /// Where what was played is kept
     #[arg(long, value_name = "DIR", default_value = "results/library")]
     libraries: PathBuf,
@@ -83,6 +87,7 @@ fn main() -> ExitCode {
             budget: None,
             calibrate: arguments.calibrate,
             real: arguments.real,
+            kin: kin::read(&arguments.kin)?,
         };
         let listener = Progress::default();
         let (answer, ready) = Answer::new(&log, &asked, &listener)?;

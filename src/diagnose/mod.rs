@@ -2,6 +2,7 @@
 //! written of the answer.
 
 pub mod courses;
+pub mod kin;
 pub mod lasers;
 pub mod limits;
 pub mod nominal;
@@ -21,6 +22,7 @@ use asami_gap::answer::diagnose::Diagnoser;
 use asami_gap::answer::diagnosis::CalibratedOn;
 use asami_gap::library::Responses;
 use asami_gap::real;
+use asami_gap::real::kin::Kin;
 use asami_gap::real::scanner::lasers::Laser;
 use asami_gap::real::scanner::{self, Found};
 use asami_gap::view::CannotSee;
@@ -75,6 +77,8 @@ pub struct Asked {
     pub budget: Option<Budget>,
     /// Whether the log is of a real robot, whose noise nobody simulated: see [`asami_gap::real`].
     pub real: bool,
+    /// And what others of its make have.
+    pub kin: Kin,
     /// Planted cases that must be there to calibrate on, where not what suits the robot.
     pub calibrate: Option<usize>,
 }
@@ -184,14 +188,16 @@ impl Ready {
         Ok(Findings::new(&*self.shelved.library.judge(log)?, &self.variants).evidence())
     }
 
-    /// The same of a real robot's log, or of a real laser scanner's, with what its lasers are off by.
+    /// The same of a real robot's log, beside what is known of others of its make, or of a real laser scanner's, with what its
+    /// lasers are off by.
     ///
     /// # Errors
     /// [`CannotSee`] says what the log lacks.
-    pub fn diagnose_real(&self, log: &Log) -> Result<Found, CannotSee> {
+    pub fn diagnose_real(&self, log: &Log, kin: &Kin) -> Result<Found, CannotSee> {
         match &self.shelved.library {
             Responses::Landmarks(library) => {
-                Ok(Found { diagnosis: real::diagnose(library, &self.variants, log)?, lasers: Vec::new() })
+                let diagnosis = real::diagnose_among(library, &self.variants, log, kin)?;
+                Ok(Found { diagnosis, lasers: Vec::new() })
             }
             Responses::Drives(_) | Responses::Unplayed if log.firings.is_some() => {
                 scanner::diagnose(&self.variants, log)
@@ -258,7 +264,7 @@ impl Answer {
         let ready = Ready::new(&log, asked, listener)?;
         listener.says("reading the log");
         let Found { diagnosis, lasers } = if asked.real {
-            ready.diagnose_real(&log)?
+            ready.diagnose_real(&log, &asked.kin)?
         } else {
             Found { diagnosis: ready.diagnose(&log)?, lasers: Vec::new() }
         };

@@ -2,6 +2,7 @@
 //!
 //! A diagnosis is given the log alone. What [`capture`] shows of the true track stands beside it afterwards.
 
+pub mod among;
 pub mod capture;
 pub mod foretold;
 pub mod learning;

@@ -6,6 +6,7 @@ use asami_dataset::store::number;
 use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::Cause;
 
+use super::among;
 use super::foretold;
 use super::make;
 use super::scanner;
@@ -24,16 +25,35 @@ pub const TRIALS: &str = "scenario,log,robot,part,verdict,effects_named,probabil
 /// Columns of `parameters.csv`.
 pub const PARAMETERS: &str = "scenario,log,robot,part,parameter,value,low,high,capture";
 
+/// Under the table of logs.
+const LOGS: &str = "Effects in the order in which they are named, the most evident first. Closed: the share of the gap, on held-out blocks, \
+     that they close; unknown: the share that remains, and the flexible block that it shows in. By motion capture, or of a car by \
+     inertial navigation: the discrepancy of motion that by itself explains most (scale of speeds, slowing in turns, bend of straight \
+     lines, delay, lag; offset, ratio and lag of a steering), and its share. \
+     Halves agree that have the same verdict and the same most evident effect.";
+
+/// Under that of sizes.
+const HELD: &str = "Motion capture's numbers are of all discrepancies together, but where of a delay and a lag, or of a focal length and a lens, \
+     one is named that one alone; a lag is on top of the nominal robot's own, a scale of ranges beside a focal length what \
+     that leaves of it. Capture has a clock and a heading of its own: what a camera is late, or turned \
+     against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing.";
+
 /// Writes every file under `out`.
 ///
 /// # Errors
 /// If a file cannot be written.
 pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, CannotSweep> {
     let write = |name: &str, text: &str| write_whole(&out.join(name), text.as_bytes());
-    write("trials.csv", &trials(results))?;
-    write("parameters.csv", &parameters(results))?;
+    write("trials.csv", &trials(results, &results.records))?;
+    write("parameters.csv", &parameters(results, &results.records))?;
     write("timings.csv", &timings(results))?;
-    let mut tables = vec![("real", logs(results)), ("real_parameters", held(results))];
+    let records = &results.records;
+    let mut tables = vec![("real", logs(records).caption(LOGS)), ("real_parameters", held(records).caption(HELD))];
+    if !results.among.is_empty() {
+        write("among.csv", &trials(results, &results.among))?;
+        write("among_parameters.csv", &parameters(results, &results.among))?;
+        tables.push(("real_among", among::table(&results.among)));
+    }
     let common = make::common(results);
     if !common.is_empty() {
         write("make.csv", &make::csv(&results.real.name, &common))?;
@@ -51,29 +71,32 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
     }
     let folder = out.join("diagnoses");
     std::fs::create_dir_all(&folder).map_err(CannotSweep::file("make", &folder))?;
-    for (record, diagnosis) in results.records.iter().filter_map(|it| Some((it, it.diagnosis.as_ref()?))) {
-        let path = folder.join(format!("{}.json", record.name()));
+    let own = results.records.iter().map(|it| (it, ""));
+    let all: Vec<(&Record, &str)> = own.chain(results.among.iter().map(|it| (it, among::END))).collect();
+    for (record, end, diagnosis) in all.iter().filter_map(|(it, end)| Some((it, end, it.diagnosis.as_ref()?))) {
+        let path = folder.join(format!("{}{end}.json", record.name()));
         let text = serde_json::to_string_pretty(diagnosis).map_err(std::io::Error::other);
         write_whole(&path, (text.map_err(CannotSweep::file("serialise", &path))? + "\n").as_bytes())?;
     }
     let (name, about) = (&results.real.name, &results.real.asked.about);
-    let counts = (results.records.len(), results.records.len());
+    let counts = (all.len(), all.len());
     let manifest = manifest::of((name, results.real.hash()), counts, program);
     manifest.write(out)?;
     let mut report = Report::new(name, about);
     for (_, table) in &tables {
         report = report.section(Section::new(&table.name).table(table.clone()));
     }
-    for record in &results.records {
+    for (record, end) in &all {
         let said = record.diagnosis.as_ref().map_or_else(|| record.error.clone(), words::text);
-        report = report.section(Section::new(&record.name()).folded().text(said));
+        report = report.section(Section::new(&(record.name() + end)).folded().text(said));
     }
     made_with(report, &manifest)
         .write(&out.join("report.html"))
         .map_err(|error| CannotSweep::file("write", &error.path)(error.source))?;
     let shown: String = tables.iter().map(|(_, table)| format!("\n{}", table.markdown())).collect();
-    let broken = results.records.iter().filter(|record| !record.error.is_empty());
-    let errors: String = broken.map(|record| format!("\nERROR: {}: {}", record.name(), record.error)).collect();
+    let broken = all.iter().filter(|(record, _)| !record.error.is_empty());
+    let errors: String =
+        broken.map(|(record, end)| format!("\nERROR: {}{end}: {}", record.name(), record.error)).collect();
     Ok(Finished { text: format!("{about}\n{shown}{errors}\n"), has_errors: !errors.is_empty() })
 }
 
@@ -87,11 +110,15 @@ fn unknown(diagnosis: &Diagnosis) -> Option<&Cause> {
     diagnosis.which.iter().find(|cause| cause.effects.iter().any(|it| it == "unknown"))
 }
 
+/// The record of a part of the log that a record is of.
+pub(super) fn of_part<'a>(records: &'a [Record], record: &Record, part: Part) -> Option<&'a Record> {
+    records.iter().find(|it| it.log == record.log && it.robot == record.robot && it.part == part)
+}
+
 /// The same verdict in both halves, with the same first effect.
-fn halves_agree(results: &Results, record: &Record) -> Option<bool> {
+pub(super) fn halves_agree(records: &[Record], record: &Record) -> Option<bool> {
     let half = |part: Part| {
-        let same = |it: &&Record| it.log == record.log && it.robot == record.robot && it.part == part;
-        let found = results.records.iter().find(same)?.diagnosis.as_ref()?;
+        let found = of_part(records, record, part)?.diagnosis.as_ref()?;
         Some((found.verdict, said(found).and_then(|cause| cause.effects.first())))
     };
     (record.part == Part::Whole).then_some(())?;
@@ -103,9 +130,9 @@ fn head(results: &Results, record: &Record) -> Vec<String> {
     vec![results.real.name.clone(), record.log.clone(), robot, record.part.name().to_owned()]
 }
 
-fn trials(results: &Results) -> String {
+fn trials(results: &Results, records: &[Record]) -> String {
     let mut text = format!("{TRIALS}\n");
-    for record in &results.records {
+    for record in records {
         let diagnosis = record.diagnosis.as_ref();
         let cause = diagnosis.and_then(said);
         let rest = diagnosis.and_then(unknown);
@@ -123,7 +150,7 @@ fn trials(results: &Results) -> String {
             optional(far.and_then(|it| it.closed)),
             optional(interval.map(|it| it[0])),
             optional(interval.map(|it| it[1])),
-            halves_agree(results, record).map_or_else(String::new, |it| it.to_string()),
+            halves_agree(records, record).map_or_else(String::new, |it| it.to_string()),
             record.shares.first().map_or_else(String::new, |(name, _)| name.clone()),
             record.error.clone(),
         ]);
@@ -132,9 +159,9 @@ fn trials(results: &Results) -> String {
     text
 }
 
-fn parameters(results: &Results) -> String {
+fn parameters(results: &Results, records: &[Record]) -> String {
     let mut text = format!("{PARAMETERS}\n");
-    for record in &results.records {
+    for record in records {
         let named = record.diagnosis.as_ref().and_then(said).map(|cause| &cause.parameters);
         for (parameter, estimate) in named.into_iter().flatten() {
             let [low, high] = estimate.interval;
@@ -162,7 +189,7 @@ fn robot(record: &Record) -> Cell {
 }
 
 /// One row for each log, with what is named and how far it goes.
-fn logs(results: &Results) -> Table {
+pub(super) fn logs(records: &[Record]) -> Table {
     let heads = [
         "log",
         "robot",
@@ -174,14 +201,8 @@ fn logs(results: &Results) -> Table {
         "halves agree",
         "off most by capture",
     ];
-    let mut table = Table::new("Real logs", &heads).caption(
-        "Effects in the order in which they are named, the most evident first. Closed: the share of the gap, on held-out blocks, \
-         that they close; unknown: the share that remains, and the flexible block that it shows in. By motion capture, or of a car by \
-         inertial navigation: the discrepancy of motion that by itself explains most (scale of speeds, slowing in turns, bend of straight \
-         lines, delay, lag; offset, ratio and lag of a steering), and its share. \
-         Halves agree that have the same verdict and the same most evident effect.",
-    );
-    for record in results.records.iter().filter(|record| record.part == Part::Whole) {
+    let mut table = Table::new("Real logs", &heads);
+    for record in records.iter().filter(|record| record.part == Part::Whole) {
         let Some(diagnosis) = &record.diagnosis else {
             let empty = std::iter::repeat_n(Cell::default(), heads.len() - 4);
             let cells = [record.log.clone().into(), robot(record), "error".into(), record.error.clone().into()];
@@ -196,7 +217,7 @@ fn logs(results: &Results) -> Table {
             if it.probability < 0.005 { "0".to_owned() } else { format!("{:.2}, {block}", it.probability) }
         });
         let main = record.shares.first().map_or_else(String::new, |(name, share)| format!("{name} ({share:.2})"));
-        let agree = halves_agree(results, record).map_or("", |it| if it { "yes" } else { "no" });
+        let agree = halves_agree(records, record).map_or("", |it| if it { "yes" } else { "no" });
         table = table.row(
             RowKind::Ours,
             [
@@ -216,22 +237,16 @@ fn logs(results: &Results) -> Table {
 }
 
 /// Every parameter that was found beside what motion capture shows.
-fn held(results: &Results) -> Table {
+fn held(records: &[Record]) -> Table {
     let heads =
         ["log", "robot", "parameter", "unit", "found", "90 % interval", "motion capture", "first half", "second half"];
-    let mut table = Table::new("Sizes found in real logs, beside motion capture", &heads).caption(
-        "Motion capture's numbers are of all discrepancies together, but where of a delay and a lag, or of a focal length and a lens, \
-         one is named that one alone; a lag is on top of the nominal robot's own, a scale of ranges beside a focal length what \
-         that leaves of it. Capture has a clock and a heading of its own: what a camera is late, or turned \
-         against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing.",
-    );
-    for record in results.records.iter().filter(|record| record.part == Part::Whole) {
+    let mut table = Table::new("Sizes found in real logs, beside motion capture", &heads);
+    for record in records.iter().filter(|record| record.part == Part::Whole) {
         let Some(cause) = record.diagnosis.as_ref().and_then(said) else { continue };
         // Wheels do not go sideways.
         for (parameter, estimate) in cause.parameters.iter().filter(|(name, _)| *name != "command_scale.x_ratio") {
             let half = |part: Part| {
-                let same = |it: &&Record| it.log == record.log && it.robot == record.robot && it.part == part;
-                let cause = results.records.iter().find(same)?.diagnosis.as_ref().and_then(said)?;
+                let cause = of_part(records, record, part)?.diagnosis.as_ref().and_then(said)?;
                 cause.parameters.get(parameter).map(|it| it.value)
             };
             let shown = |value: Option<f64>| value.map_or_else(Cell::default, |value| words::digits(value).into());

@@ -7,11 +7,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use asami_dataset::{Dataset, Log};
+use asami_gap::real::kin::Kin;
 use asami_gap::real::scanner::Found;
 use asami_gap::{Diagnosis, Nominal};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::among::kin;
 use super::capture::steering::of_car;
 use super::capture::{Capture, capture};
 use super::learning::{Lesson, lessons};
@@ -109,6 +111,8 @@ pub struct Results {
     pub real: Real,
     /// For each log its parts.
     pub records: Vec<Record>,
+    /// The same of robots of which three and more are of a make, each beside what the others' logs say.
+    pub among: Vec<Record>,
     /// What was learned from each log, and from simulated ones in its place.
     pub lessons: Vec<Lesson>,
 }
@@ -156,7 +160,13 @@ pub fn run(
         .into_iter()
         .map(|(source, robot, dataset)| Prepared { source, robot, dataset, ready: &worlds[source.nominal.as_str()] })
         .collect();
-    let records = diagnosed(real, &prepared, options, watcher).map_err(crate::verb::plain)?;
+    let logs: Vec<String> = prepared.iter().map(|it| format!("{:?}", it.dataset.log)).collect();
+    let parts = [real.hash(), logs.concat(), options.program.clone()];
+    let key = blake3::hash(parts.join("\n").as_bytes()).to_hex();
+    let keeps = Keeps { store: Store::open(&options.out, key.as_ref()).map_err(crate::verb::plain)?, options, watcher };
+    let records = keeps.diagnosed(&of_parts(&prepared, |_| Some(Kin::NONE)), "").map_err(crate::verb::plain)?;
+    let of_kin = of_parts(&prepared, |it| kin(&records, &it.source.name, it.robot));
+    let among = keeps.diagnosed(&of_kin, "-among").map_err(crate::verb::plain)?;
     let mut all = Vec::new();
     for source in &real.asked.logs {
         if let Some(learning) = real.asked.learning.as_ref().filter(|_| source.learned_in.is_some()) {
@@ -166,7 +176,7 @@ pub fn run(
             all.extend(lessons(learning, source, &place(source, data), &records, (ready, &told), options, listener)?);
         }
     }
-    Ok(Results { real: real.clone(), records, lessons: all })
+    Ok(Results { real: real.clone(), records, among, lessons: all })
 }
 
 /// Where a recording lies.
@@ -193,47 +203,59 @@ fn imported(source: &Source, robot: Option<u16>, path: &Path) -> Result<Dataset,
     }
 }
 
-fn diagnosed(
-    real: &Real,
-    prepared: &[Prepared<'_>],
-    options: &Options,
-    watcher: &dyn Watcher,
-) -> Result<Vec<Record>, CannotSweep> {
-    let cases: Vec<(&Prepared<'_>, Part)> =
-        prepared.iter().flat_map(|it| Part::ALL.into_iter().map(move |part| (it, part))).collect();
-    let logs: Vec<String> = prepared.iter().map(|it| format!("{:?}", it.dataset.log)).collect();
-    let parts = [real.hash(), logs.concat(), options.program.clone()];
-    let store = Store::open(&options.out, blake3::hash(parts.join("\n").as_bytes()).to_hex().as_ref())?;
-    let names: Vec<String> = cases.iter().map(|(it, part)| name(&it.source.name, it.robot, *part)).collect();
-    let found = store.find::<Record>(&names)?;
-    watcher.begins(&found.count, 1);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs.unwrap_or(0)).build()?;
-    pool.install(|| {
-        let work: Vec<_> = cases.into_iter().zip(found.records).enumerate().collect();
-        work.into_par_iter()
-            .with_max_len(1)
-            .map(|(i, ((prepared, part), done))| {
-                if let Some(done) = done {
-                    return Ok(done);
-                }
-                let record = prepared.record(part);
-                store.keep(&names[i], &record)?;
-                let case = trial::Case { seed: i as u64, robot: prepared.robot, ..trial::Case::default() };
-                watcher.finished(&case, &record.timing);
-                Ok(record)
-            })
-            .collect()
-    })
+/// A part of a log, and what is known of the robot's kin.
+type Case<'a> = (&'a Prepared<'a>, Part, Kin);
+
+/// The parts of all logs of robots whose kin is known.
+fn of_parts<'a>(prepared: &'a [Prepared<'a>], kin: impl Fn(&Prepared<'_>) -> Option<Kin>) -> Vec<Case<'a>> {
+    let known = prepared.iter().filter_map(|it| Some((it, kin(it)?)));
+    known.flat_map(|(it, kin)| Part::ALL.map(|part| (it, part, kin.clone()))).collect()
+}
+
+/// Where records are kept, and who watches them being made.
+struct Keeps<'a> {
+    store: Store,
+    options: &'a Options,
+    watcher: &'a dyn Watcher,
+}
+
+impl Keeps<'_> {
+    /// Diagnoses what is not done yet; names of files end as is said.
+    fn diagnosed(&self, cases: &[Case<'_>], end: &str) -> Result<Vec<Record>, CannotSweep> {
+        let name = |(it, part, _): &Case<'_>| name(&it.source.name, it.robot, *part) + end;
+        let names: Vec<String> = cases.iter().map(name).collect();
+        let found = self.store.find::<Record>(&names)?;
+        if !cases.is_empty() {
+            self.watcher.begins(&found.count, 1);
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.options.jobs.unwrap_or(0)).build()?;
+        pool.install(|| {
+            let work: Vec<_> = cases.iter().zip(found.records).enumerate().collect();
+            work.into_par_iter()
+                .with_max_len(1)
+                .map(|(i, ((prepared, part, kin), done))| {
+                    if let Some(done) = done {
+                        return Ok(done);
+                    }
+                    let record = prepared.record(*part, kin);
+                    self.store.keep(&names[i], &record)?;
+                    let case = trial::Case { seed: i as u64, robot: prepared.robot, ..trial::Case::default() };
+                    self.watcher.finished(&case, &record.timing);
+                    Ok(record)
+                })
+                .collect()
+        })
+    }
 }
 
 impl Prepared<'_> {
-    fn record(&self, part: Part) -> Record {
+    fn record(&self, part: Part, kin: &Kin) -> Record {
         let began = Instant::now();
         let log = part.of(&self.dataset.log);
         let scans = log.firings.is_some();
         let answer = catch_unwind(AssertUnwindSafe(|| {
             let limited = of_real(&log).map_err(|error| error.to_string())?;
-            self.ready.diagnose_real(&limited.log).map_err(|error| error.to_string())
+            self.ready.diagnose_real(&limited.log, kin).map_err(|error| error.to_string())
         }));
         let (found, error) = match answer {
             Ok(Ok(found)) => (Some(found), String::new()),

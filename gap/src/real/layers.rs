@@ -7,6 +7,7 @@
 use asami_math::elementary::{exp, ln};
 use asami_sim::effect::{Block, Place};
 
+use super::kin::Kin;
 use super::starts::starts;
 use super::unsure::{World, believed, blocks};
 use crate::judge::Judge;
@@ -32,8 +33,6 @@ const LONGEST: f64 = 1.0;
 /// Precision of a prior that leaves a size which changes nothing where it is.
 const NEXT_TO_NOTHING: f64 = 1e-3;
 
-/// Ten to one are against each further effect.
-const AGAINST_NATS: f64 = std::f64::consts::LN_10;
 /// So many may be in the world besides those that are named.
 const UNNAMED: usize = 2;
 /// A world less probable than this is left out.
@@ -45,7 +44,7 @@ const PASSES: usize = 2;
 /// An effect, and what it was held against.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// The effect; its evidence over those before it alone, reconsidered: over all others.
+    /// The effect; its evidence, with what is known beforehand, over those before it alone, reconsidered: over all others.
     pub weighed: Weighed,
     /// What it pays of its gain for its size, in nats.
     pub(super) pays_nats: f64,
@@ -65,7 +64,7 @@ pub struct Rival {
 }
 
 /// What is not worth a name.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Least {
     /// An effect that is less evident, in nats.
     pub nats: f64,
@@ -76,6 +75,8 @@ pub struct Least {
     pub share_together: f64,
     /// Whether of two ways in which commands come late one is enough: a log hardly tells a lag behind a delay from either.
     pub late_once: bool,
+    /// What is known beforehand, whose nats count as those of the log.
+    pub kin: Kin,
 }
 
 impl Least {
@@ -100,12 +101,12 @@ impl Least {
 
 /// Effects one after another, for as long as the next is worth a name.
 #[must_use]
-pub fn layers(judge: &dyn Judge, variants: &[Variant], least: Least) -> Vec<Layer> {
+pub fn layers(judge: &dyn Judge, variants: &[Variant], least: &Least) -> Vec<Layer> {
     let mut layers: Vec<Layer> = Vec::new();
     while layers.len() < MOST {
         let with = planted(&layers);
         let likely = judge.log_likelihood(&with);
-        let mut tried = next(judge, &least.beside(variants, &with), &with, likely).into_iter();
+        let mut tried = next(judge, variants, least, &with, likely).into_iter();
         let Some((best, settled)) = tried.next() else { break };
         if best.evidence_nats < least.gain(judge, &settled.effects, settled.likely) {
             break;
@@ -120,7 +121,7 @@ pub fn layers(judge: &dyn Judge, variants: &[Variant], least: Least) -> Vec<Laye
 /// Thinks again of each of the effects, now that all the others are in the world: another may stand in its place, or none. What
 /// remains is in order of its evidence beside all others, by blocks.
 #[must_use]
-pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Layer>, least: Least) -> Vec<Layer> {
+pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Layer>, least: &Least) -> Vec<Layer> {
     for _ in 0..PASSES {
         let mut changed = false;
         for at in (0..layers.len()).rev() {
@@ -152,20 +153,19 @@ pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Lay
 /// What the world may be, where these effects are named: they alone, and with others that are not worth a name. An effect's size
 /// hangs on what else there is, so that it would be said too surely, and with what others do put down to it, were there nothing
 /// (Hoeting et al. 1999, "Bayesian Model Averaging").
-fn worlds(judge: &dyn Judge, variants: &[Variant], named: &[Planted], least: Least) -> Vec<World> {
+fn worlds(judge: &dyn Judge, variants: &[Variant], named: &[Planted], least: &Least) -> Vec<World> {
     // With the logarithm of how probable each is over the named ones alone.
     let mut all = vec![(named.to_vec(), 0.0)];
     let mut base = all[0].clone();
     let unnamed = if named.is_empty() { 0 } else { UNNAMED };
     for _ in 0..unnamed {
         let likely = judge.log_likelihood(&base.0);
-        let further =
-            next(judge, &least.beside(variants, &base.0), &base.0, likely).into_iter().map(|(it, settled)| {
-                // Where more is asked for because the library may be off by as much, a nat counts so much less.
-                let counts = settled.counts * least.nats / least.gain(judge, &settled.effects, settled.likely);
-                let odds = base.1 + of_what_counts(&it, counts) - AGAINST_NATS;
-                (settled.effects, odds)
-            });
+        let further = next(judge, variants, least, &base.0, likely).into_iter().map(|(it, settled)| {
+            // Where more is asked for because the library may be off by as much, a nat counts so much less.
+            let counts = settled.counts * least.nats / least.gain(judge, &settled.effects, settled.likely);
+            let odds = base.1 + of_what_counts(&it, counts) - Kin::NONE.against_nats(it.effect);
+            (settled.effects, odds)
+        });
         let further: Vec<(Vec<Planted>, f64)> = further.collect();
         let likeliest = further.iter().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|it| it.1 > base.1).cloned();
         all.extend(further);
@@ -185,11 +185,11 @@ fn in_its_place(
     variants: &[Variant],
     others: &[Planted],
     before: &Layer,
-    least: Least,
+    least: &Least,
 ) -> (Vec<Planted>, Option<(Layer, Vec<Planted>)>) {
     let as_it_was = settle(judge, [others, std::slice::from_ref(&before.weighed.best)].concat());
     let rest = settle(judge, others.to_vec());
-    let mut tried = next(judge, &least.beside(variants, &rest.effects), &rest.effects, rest.likely);
+    let mut tried = next(judge, variants, least, &rest.effects, rest.likely);
     stays(&mut tried, before, as_it_was, rest.likely);
     // What gains more, but in too few blocks, is no rival of what shows throughout the log.
     let mut tried = tried.into_iter().skip_while(|(it, settled)| by_blocks(it, settled) < least.nats);
@@ -258,14 +258,22 @@ struct Settled {
 }
 
 /// What may be put beside what is in the world, the most evident first, each with the sizes of all found together.
-fn next(judge: &dyn Judge, others: &[Variant], with: &[Planted], likely: f64) -> Vec<(Weighed, Settled)> {
-    let alone = weigh(judge, others, with, CLOSE).into_iter().map(|it| {
+fn next(
+    judge: &dyn Judge,
+    variants: &[Variant],
+    least: &Least,
+    with: &[Planted],
+    likely: f64,
+) -> Vec<(Weighed, Settled)> {
+    let others = least.beside(variants, with);
+    let alone = weigh(judge, &others, with, CLOSE).into_iter().map(|it| {
         let start = [with, std::slice::from_ref(&it.best)].concat();
-        (it, start)
+        let evidence_nats = it.evidence_nats - least.kin.more_against_nats(it.effect);
+        (Weighed { evidence_nats, ..it }, start)
     });
     let mut worth: Vec<(Weighed, Vec<Planted>)> = alone.collect();
     // Better, perhaps, than beside the others as they are.
-    for start in if with.is_empty() { Vec::new() } else { starts(judge, others, with) } {
+    for start in if with.is_empty() { Vec::new() } else { starts(judge, &others, with) } {
         let Some(best) = start.effects.last() else { continue };
         let same = worth.iter_mut().find(|(it, _)| it.effect == best.variant.about.name);
         let gain_nats = start.likely - likely;
@@ -340,7 +348,7 @@ mod tests {
     use super::*;
     use crate::straight::Straight;
 
-    const LEAST: Least = Least { nats: 5.0, share: 0.0, share_together: 0.0, late_once: true };
+    const LEAST: Least = Least { nats: 5.0, share: 0.0, share_together: 0.0, late_once: true, kin: Kin::NONE };
 
     /// What gains more than another effect, but all of it in two blocks of twenty, neither takes its place nor has it dropped.
     #[test]
@@ -353,10 +361,10 @@ mod tests {
         // Once for it, and once against.
         (0..20).for_each(|t| log.measured[60 + t] += 0.9 * twice(60 + t));
         (0..20).for_each(|t| log.measured[260 + t] -= 0.2 * twice(260 + t));
-        let found = layers(&log, &kinds, LEAST);
+        let found = layers(&log, &kinds, &LEAST);
         let first = found.first().map(|it| it.weighed.effect);
         assert_eq!((first, found.len()), (Some("wheel_base"), 2), "by nats alone");
-        let found = reconsidered(&log, &kinds, found, LEAST);
+        let found = reconsidered(&log, &kinds, found, &LEAST);
         let names: Vec<&str> = found.iter().map(|it| it.weighed.effect).collect();
         assert_eq!(names, ["command_scale"]);
         let [low, high] = found[0].weighed.interval;
@@ -380,7 +388,7 @@ mod tests {
                 let [low, high] = believed(&log, worlds)[0].interval;
                 low <= truth[0].size && truth[0].size <= high
             };
-            let worlds = worlds(&log, &kinds, &named, LEAST);
+            let worlds = worlds(&log, &kinds, &named, &LEAST);
             let shares: f64 = worlds.iter().map(|it| it.share).sum();
             assert!((0.95..1.0 + 1e-9).contains(&shares), "{shares}");
             held += usize::from(holds(&worlds));

@@ -4,6 +4,7 @@
 pub mod astray;
 pub mod crossed;
 pub mod folds;
+pub mod kin;
 pub mod layers;
 mod noise;
 pub mod pedals;
@@ -31,6 +32,7 @@ use crate::weigh::causes::{NONE, UNKNOWN};
 use crate::weigh::groups::{SPLIT_NATS, smallest_visible};
 use crossed::Crossed;
 use folds::Folds;
+use kin::Kin;
 use layers::{Layer, Least, Rival, layers, planted, reconsidered};
 
 /// Noise is learned, effects are named, and again, for the noise is what the effects leave; the likeliest of these counts.
@@ -39,7 +41,7 @@ const ROUNDS: usize = 4;
 const LOOKING: usize = 2;
 /// Ten to one are against each further effect, and nine to one have to be for it: 4.5 nats. What adds less than this share may as
 /// well be what the nominal world's own shape, or the library, is off.
-const LEAST: Least = Least { nats: 5.0, share: 0.01, share_together: 0.0005, late_once: true };
+const LEAST: Least = Least { nats: 5.0, share: 0.01, share_together: 0.0005, late_once: true, kin: Kin::NONE };
 /// Where nothing in the list explains anything, there is a gap all the same if a flexible block has so much evidence.
 const UNEXPLAINED_NATS: f64 = 10.0;
 /// Where more of the gap than this remains with every effect in, something is unknown.
@@ -56,6 +58,15 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// # Errors
 /// [`CannotSee`] says what the log lacks.
 pub fn diagnose(nominal: &Library, variants: &[Variant], log: &Log) -> Result<Diagnosis, CannotSee> {
+    diagnose_among(nominal, variants, log, &Kin::NONE)
+}
+
+/// The same of a robot of a make of which others are known: what they have, it is expected to have.
+///
+/// # Errors
+/// [`CannotSee`] says what the log lacks.
+pub fn diagnose_among(nominal: &Library, variants: &[Variant], log: &Log, kin: &Kin) -> Result<Diagnosis, CannotSee> {
+    let least = Least { kin: kin.clone(), ..LEAST };
     // A single landmark that stands elsewhere is a robot that does.
     let shows = |it: &&Variant| it.place() != Place::Scene || nominal.base.shape.landmarks > 1;
     let variants: Vec<Variant> =
@@ -69,7 +80,7 @@ pub fn diagnose(nominal: &Library, variants: &[Variant], log: &Log) -> Result<Di
         let of_others = |fold: usize| library.noisy_as(log, |t_s| folds.of(t_s) != fold, &with, before.get(fold));
         let noisy: Vec<Library> = (0..folds.count).into_par_iter().map(of_others).collect::<Result<_, _>>()?;
         let judge = Crossed::new(log, &noisy, folds)?;
-        found = layers(&judge, &variants, LEAST);
+        found = layers(&judge, &variants, &least);
         let likely = judge.log_likelihood(&planted(&found));
         if round < LOOKING {
             astray::add(&mut library.astray, &judge, &planted(&found));
@@ -80,7 +91,7 @@ pub fn diagnose(nominal: &Library, variants: &[Variant], log: &Log) -> Result<Di
     }
     let (_, noisy, found) = best;
     let judge = Crossed::new(log, &noisy, folds)?;
-    let found = reconsidered(&judge, &variants, found, LEAST);
+    let found = reconsidered(&judge, &variants, found, &least);
     let astray_s = library.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
     let noise = noise::compared(nominal, &noisy);
     Ok(Diagnosis { astray_s: Some(astray_s), noise, ..assembled(&judge, &variants, &found) })

@@ -16,6 +16,7 @@ use asami_sim::robots::car::CarConfig;
 
 use super::assembled;
 use super::folds::Folds;
+use super::kin::Kin;
 use super::layers::{Layer, Least, layers, planted, reconsidered};
 use crate::answer::diagnosis::Diagnosis;
 use crate::drive::driven::Driven;
@@ -31,7 +32,7 @@ const WORLDS: usize = 2;
 /// In each of them noise is learned, and effects are named, so often.
 const ROUNDS: usize = 3;
 /// What adds less may as well be what the nominal car's own shape, or the superposition of effects, is off.
-const LEAST: Least = Least { nats: 10.0, share: 0.003, share_together: 0.003, late_once: false };
+const LEAST: Least = Least { nats: 10.0, share: 0.003, share_together: 0.003, late_once: false, kin: Kin::NONE };
 /// Fewer steps do not say how what is left scatters; fewer show nothing.
 const LEAST_KEPT: usize = 60;
 const LEAST_SCORED: usize = 100;
@@ -71,11 +72,11 @@ pub fn diagnose(car: &CarConfig, effects: &Effects, variants: &[Variant], log: &
         for _ in 0..ROUNDS {
             drives.base.memory = Driven::new(&drives, Arc::clone(&now)).noise(&planted(&found), &kept);
             let judge = Driven::scoring(&drives, Arc::clone(&now), scores);
-            found = layers(&judge, &variants, LEAST);
+            found = layers(&judge, &variants, &LEAST);
         }
     }
     let judge = Driven::scoring(&drives, now, scores);
-    let found = reconsidered(&judge, &variants, found, LEAST);
+    let found = reconsidered(&judge, &variants, found, &LEAST);
     Ok(assembled(&judge, &variants, &found))
 }
 

@@ -21,6 +21,7 @@ use asami_dataset::log::Velodyne;
 use asami_dataset::{Firings, Known, Log};
 
 use super::assembled;
+use super::kin::Kin;
 use super::layers::{Layer, Least, layers, planted, reconsidered};
 use crate::answer::diagnosis::Diagnosis;
 use crate::judge::Judge;
@@ -31,7 +32,7 @@ use lasers::Laser;
 use seen::Seen;
 
 /// What is less evident, or adds less, may as well be the street's.
-const LEAST: Least = Least { nats: 10.0, share: 0.01, share_together: 0.01, late_once: false };
+const LEAST: Least = Least { nats: 10.0, share: 0.01, share_together: 0.01, late_once: false, kin: Kin::NONE };
 /// How loud chance is hangs on what is put into the table, and that on how loud it is.
 const ROUNDS: usize = 2;
 
@@ -51,7 +52,7 @@ pub struct Found {
 pub fn diagnose(variants: &[Variant], log: &Log) -> Result<Found, CannotSee> {
     let mut table = Table::new(Seen::read(log)?);
     let variants: Vec<Variant> = variants.iter().filter(|it| table.knows(it)).cloned().collect();
-    let named = |table: &Table| reconsidered(table, &variants, layers(table, &variants, LEAST), LEAST);
+    let named = |table: &Table| reconsidered(table, &variants, layers(table, &variants, &LEAST), &LEAST);
     let mut found: Vec<Layer> = named(&table);
     for _ in 1..ROUNDS {
         table.listen(&planted(&found));

@@ -1,0 +1,148 @@
+//! Robots of one make, each diagnosed again beside what the others' own logs say ([`Kin`]): an effect that others have is named by
+//! less evidence, one that none of them has by more. A robot's own log has no part in what is expected of it, nor has motion capture.
+
+use asami_gap::Diagnosis;
+use asami_gap::answer::diagnosis::{Cause, Estimate};
+use asami_gap::real::kin::Kin;
+
+use super::tables::{halves_agree, said};
+use super::walk::{Part, Record};
+use crate::diagnose::words;
+use crate::report::{Cell, RowKind, Table};
+
+/// What names of files of such diagnoses end with.
+pub const END: &str = "-among";
+
+/// So many robots are a make.
+const LEAST: usize = 3;
+
+/// What the whole logs of the other robots of a recording say; `None` where they are no make.
+#[must_use]
+pub fn kin(records: &[Record], log: &str, robot: Option<u16>) -> Option<Kin> {
+    let of_make = records.iter().filter(|it| it.log == log && it.robot.is_some() && it.part == Part::Whole);
+    let of_make: Vec<(Option<u16>, &Diagnosis)> =
+        of_make.filter_map(|it| Some((it.robot, it.diagnosis.as_ref()?))).collect();
+    let others = of_make.iter().filter(|it| it.0 != robot).map(|it| it.1);
+    (of_make.len() >= LEAST && robot.is_some()).then(|| Kin::of(others))
+}
+
+/// Of what is named, that which explains most of what motion is off by motion capture, and its size.
+fn main<'a>(record: &Record, cause: &'a Cause) -> Option<(&'static str, &'a Estimate)> {
+    let brings_about = |(name, _): &(String, f64)| match name.as_str() {
+        "scale" => Some("command_scale.y_ratio"),
+        "slowing" => Some("turn_slowing.loss_s2"),
+        "bend" => Some("unequal_wheels.ratio"),
+        "delay" => Some("command_delay.delay_s"),
+        "lag" => Some("wheel_lag.lag_s"),
+        _ => None,
+    };
+    let named = |name: &'static str| Some((name, cause.parameters.get(name)?));
+    record.shares.iter().filter_map(brings_about).find_map(named)
+}
+
+/// A row for each robot; and of what parts it most from the nominal world by motion capture, how large it is.
+#[must_use]
+pub fn table(records: &[Record]) -> Table {
+    let heads = [
+        "log",
+        "robot",
+        "verdict",
+        "effects",
+        "closed",
+        "halves agree",
+        "off most",
+        "found",
+        "90 % interval",
+        "motion capture",
+    ];
+    let mut table = Table::new("Real robots among their make", &heads).caption(
+        "The same logs, each robot's beside what the whole logs of the others say: beforehand an effect is as probable as it is \
+         common among them (a beta distribution; by itself ten to one are against it, which counts as much as one robot). Off most: \
+         of the effects of motion that are named that which motion capture says explains most by itself.",
+    );
+    for record in records.iter().filter(|it| it.part == Part::Whole) {
+        let Some(diagnosis) = &record.diagnosis else { continue };
+        let cause = said(diagnosis);
+        let main = cause.and_then(|cause| main(record, cause));
+        let agree = halves_agree(records, record).map_or("", |it| if it { "yes" } else { "no" });
+        let shown = |value: Option<f64>| value.map_or_else(Cell::default, |value| words::digits(value).into());
+        let interval = main.map_or_else(String::new, |(_, it)| {
+            let [low, high] = it.interval.map(words::digits);
+            format!("{low} to {high}")
+        });
+        table = table.row(
+            RowKind::Ours,
+            [
+                record.log.clone().into(),
+                record.robot.map_or_else(Cell::default, |robot| Cell::number(f64::from(robot), 0)),
+                diagnosis.verdict.name().into(),
+                cause.map_or_else(String::new, |it| it.effects.join(", ")).into(),
+                diagnosis.how_far.closed.map_or_else(Cell::default, |closed| Cell::number(closed, 2)),
+                agree.into(),
+                main.map_or_else(String::new, |(name, _)| name.to_owned()).into(),
+                shown(main.map(|(_, it)| it.value)),
+                interval.into(),
+                shown(main.and_then(|(name, _)| record.capture.get(name).copied())),
+            ],
+        );
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::sweep::Timing;
+
+    /// Robot `robot` of which these are named, slowing by 2.5.
+    fn record(robot: u16, part: Part, effects: &[&str]) -> Record {
+        let nothing = Diagnosis::flat(&[]);
+        let estimate = Estimate { value: 2.5, interval: [2.0, 3.0], at_end: false };
+        let named = Cause {
+            effects: effects.iter().map(|it| (*it).to_owned()).collect(),
+            parameters: BTreeMap::from([("turn_slowing.loss_s2".to_owned(), estimate)]),
+            probability: 1.0,
+            ..nothing.which[0].clone()
+        };
+        Record {
+            log: "creates".to_owned(),
+            robot: Some(robot),
+            part,
+            diagnosis: Some(Diagnosis { which: vec![named], ..nothing }),
+            capture: BTreeMap::from([("turn_slowing.loss_s2".to_owned(), 2.8)]),
+            shares: vec![("lag".to_owned(), 0.6), ("slowing".to_owned(), 0.5)],
+            checked: None,
+            error: String::new(),
+            timing: Timing::default(),
+        }
+    }
+
+    /// What a robot's own log says, and what halves of the others' do, is not among what is expected of it.
+    #[test]
+    fn a_robot_is_none_of_its_kin() {
+        let mut records = vec![
+            record(1, Part::Whole, &["turn_slowing", "pan_offset"]),
+            record(1, Part::FirstHalf, &["turn_slowing"]),
+            record(2, Part::Whole, &["turn_slowing"]),
+            record(2, Part::FirstHalf, &["turn_slowing", "pan_offset"]),
+        ];
+        assert_eq!(kin(&records, "creates", Some(1)), None, "two are no make");
+        records.push(record(3, Part::Whole, &["turn_slowing"]));
+        let others = [&records[2], &records[4]].map(|it| it.diagnosis.as_ref().unwrap());
+        assert_eq!(kin(&records, "creates", Some(1)), Some(Kin::of(others)));
+        assert_eq!(kin(&records, "tubes", None), None);
+    }
+
+    /// Of what is named the effect that capture says explains most: slowing, where no lag is named.
+    #[test]
+    fn each_robot_has_a_row_with_what_it_is_off_most_by() {
+        let (named, capture) = (&["turn_slowing"][..], "2.80");
+        let records = [Part::Whole, Part::FirstHalf, Part::SecondHalf].map(|part| record(4, part, named));
+        let text = table(&records).markdown();
+        let row = text.lines().last().unwrap();
+        assert_eq!(text.lines().filter(|line| line.contains("creates")).count(), 1, "{text}");
+        assert!(row.contains("| yes | turn_slowing.loss_s2 | 2.50 | 2.00 to 3.00 |") && row.contains(capture), "{row}");
+    }
+}
