@@ -259,6 +259,14 @@ impl Answer {
                 BY_PEDALS
             };
             notes.push(by.to_owned());
+            let robots = asked.kin.robots();
+            if robots > 0 && car {
+                notes.push("what other cars of its make have is not asked of a car".to_owned());
+            } else if robots > 0 {
+                notes.push(format!(
+                    "what {robots} others of its make have is expected of it, and counts as evidence; what none has is not"
+                ));
+            }
         }
         notes.iter().for_each(|note| listener.says(&format!("note: {note}")));
         let ready = Ready::new(&log, asked, listener)?;

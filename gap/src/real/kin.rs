@@ -44,6 +44,12 @@ impl Kin {
         kin
     }
 
+    /// How many others there are.
+    #[must_use]
+    pub fn robots(&self) -> usize {
+        self.robots as usize
+    }
+
     /// The logarithm of the odds against an effect.
     #[must_use]
     pub fn against_nats(&self, effect: &str) -> f64 {
