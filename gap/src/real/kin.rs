@@ -101,8 +101,8 @@ mod tests {
         assert!(kin.more_against_nats("command_delay") > 0.0);
     }
 
-    /// What is worth four nats by itself has no name; among robots that all have it it has, and among robots that have none of it
-    /// what is worth six has none.
+    /// What is just too little for a name by itself has one among robots that all have it; what is just enough has none among
+    /// robots of which none has it.
     #[test]
     fn what_others_have_needs_less_evidence_and_what_they_have_not_more() {
         let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
