@@ -5,13 +5,10 @@ use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::{Cause, Estimate};
 use asami_gap::real::kin::Kin;
 
-use super::tables::{halves_agree, said};
+use super::tables::{agreed, failed, robot, said};
 use super::walk::{Part, Record};
 use crate::diagnose::words;
 use crate::report::{Cell, RowKind, Table};
-
-/// What names of files of such diagnoses end with.
-pub const END: &str = "-among";
 
 /// So many robots are a make.
 const LEAST: usize = 3;
@@ -61,10 +58,12 @@ pub fn table(records: &[Record]) -> Table {
          of the effects of motion that are named that which motion capture says explains most by itself.",
     );
     for record in records.iter().filter(|it| it.part == Part::Whole) {
-        let Some(diagnosis) = &record.diagnosis else { continue };
+        let Some(diagnosis) = &record.diagnosis else {
+            table = table.row(RowKind::Ours, failed(record, heads.len()));
+            continue;
+        };
         let cause = said(diagnosis);
         let main = cause.and_then(|cause| main(record, cause));
-        let agree = halves_agree(records, record).map_or("", |it| if it { "yes" } else { "no" });
         let shown = |value: Option<f64>| value.map_or_else(Cell::default, |value| words::digits(value).into());
         let interval = main.map_or_else(String::new, |(_, it)| {
             let [low, high] = it.interval.map(words::digits);
@@ -74,11 +73,11 @@ pub fn table(records: &[Record]) -> Table {
             RowKind::Ours,
             [
                 record.log.clone().into(),
-                record.robot.map_or_else(Cell::default, |robot| Cell::number(f64::from(robot), 0)),
+                robot(record),
                 diagnosis.verdict.name().into(),
                 cause.map_or_else(String::new, |it| it.effects.join(", ")).into(),
                 diagnosis.how_far.closed.map_or_else(Cell::default, |closed| Cell::number(closed, 2)),
-                agree.into(),
+                agreed(records, record),
                 main.map_or_else(String::new, |(name, _)| name.to_owned()).into(),
                 shown(main.map(|(_, it)| it.value)),
                 interval.into(),
@@ -110,6 +109,7 @@ mod tests {
             log: "creates".to_owned(),
             robot: Some(robot),
             part,
+            among: true,
             diagnosis: Some(Diagnosis { which: vec![named], ..nothing }),
             capture: BTreeMap::from([("turn_slowing.loss_s2".to_owned(), 2.8)]),
             shares: vec![("lag".to_owned(), 0.6), ("slowing".to_owned(), 0.5)],
@@ -144,5 +144,8 @@ mod tests {
         let row = text.lines().last().unwrap();
         assert_eq!(text.lines().filter(|line| line.contains("creates")).count(), 1, "{text}");
         assert!(row.contains("| yes | turn_slowing.loss_s2 | 2.50 | 2.00 to 3.00 |") && row.contains(capture), "{row}");
+        let broken = Record { diagnosis: None, error: "too short".to_owned(), ..records[0].clone() };
+        let text = table(&[broken]).markdown();
+        assert!(text.lines().last().is_some_and(|row| row.contains("| 4 | error | too short |")), "{text}");
     }
 }

@@ -183,6 +183,7 @@ mod tests {
             log: "creates".to_owned(),
             robot: Some(robot),
             part,
+            among: false,
             diagnosis: Some(Diagnosis { which: vec![named], ..Diagnosis::flat(&[]) }),
             capture: BTreeMap::from([("turn_slowing.loss_s2".to_owned(), 2.8)]),
             shares: Vec::new(),

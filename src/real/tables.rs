@@ -25,19 +25,6 @@ pub const TRIALS: &str = "scenario,log,robot,part,verdict,effects_named,probabil
 /// Columns of `parameters.csv`.
 pub const PARAMETERS: &str = "scenario,log,robot,part,parameter,value,low,high,capture";
 
-/// Under the table of logs.
-const LOGS: &str = "Effects in the order in which they are named, the most evident first. Closed: the share of the gap, on held-out blocks, \
-     that they close; unknown: the share that remains, and the flexible block that it shows in. By motion capture, or of a car by \
-     inertial navigation: the discrepancy of motion that by itself explains most (scale of speeds, slowing in turns, bend of straight \
-     lines, delay, lag; offset, ratio and lag of a steering), and its share. \
-     Halves agree that have the same verdict and the same most evident effect.";
-
-/// Under that of sizes.
-const HELD: &str = "Motion capture's numbers are of all discrepancies together, but where of a delay and a lag, or of a focal length and a lens, \
-     one is named that one alone; a lag is on top of the nominal robot's own, a scale of ranges beside a focal length what \
-     that leaves of it. Capture has a clock and a heading of its own: what a camera is late, or turned \
-     against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing.";
-
 /// Writes every file under `out`.
 ///
 /// # Errors
@@ -48,7 +35,7 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
     write("parameters.csv", &parameters(results, &results.records))?;
     write("timings.csv", &timings(results))?;
     let records = &results.records;
-    let mut tables = vec![("real", logs(records).caption(LOGS)), ("real_parameters", held(records).caption(HELD))];
+    let mut tables = vec![("real", logs(records)), ("real_parameters", held(records))];
     if !results.among.is_empty() {
         write("among.csv", &trials(results, &results.among))?;
         write("among_parameters.csv", &parameters(results, &results.among))?;
@@ -71,10 +58,9 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
     }
     let folder = out.join("diagnoses");
     std::fs::create_dir_all(&folder).map_err(CannotSweep::file("make", &folder))?;
-    let own = results.records.iter().map(|it| (it, ""));
-    let all: Vec<(&Record, &str)> = own.chain(results.among.iter().map(|it| (it, among::END))).collect();
-    for (record, end, diagnosis) in all.iter().filter_map(|(it, end)| Some((it, end, it.diagnosis.as_ref()?))) {
-        let path = folder.join(format!("{}{end}.json", record.name()));
+    let all: Vec<&Record> = records.iter().chain(&results.among).collect();
+    for (record, diagnosis) in all.iter().filter_map(|it| Some((it, it.diagnosis.as_ref()?))) {
+        let path = folder.join(format!("{}.json", record.name()));
         let text = serde_json::to_string_pretty(diagnosis).map_err(std::io::Error::other);
         write_whole(&path, (text.map_err(CannotSweep::file("serialise", &path))? + "\n").as_bytes())?;
     }
@@ -86,17 +72,16 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
     for (_, table) in &tables {
         report = report.section(Section::new(&table.name).table(table.clone()));
     }
-    for (record, end) in &all {
+    for record in &all {
         let said = record.diagnosis.as_ref().map_or_else(|| record.error.clone(), words::text);
-        report = report.section(Section::new(&(record.name() + end)).folded().text(said));
+        report = report.section(Section::new(&record.name()).folded().text(said));
     }
     made_with(report, &manifest)
         .write(&out.join("report.html"))
         .map_err(|error| CannotSweep::file("write", &error.path)(error.source))?;
     let shown: String = tables.iter().map(|(_, table)| format!("\n{}", table.markdown())).collect();
-    let broken = all.iter().filter(|(record, _)| !record.error.is_empty());
-    let errors: String =
-        broken.map(|(record, end)| format!("\nERROR: {}{end}: {}", record.name(), record.error)).collect();
+    let broken = all.iter().filter(|record| !record.error.is_empty());
+    let errors: String = broken.map(|record| format!("\nERROR: {}: {}", record.name(), record.error)).collect();
     Ok(Finished { text: format!("{about}\n{shown}{errors}\n"), has_errors: !errors.is_empty() })
 }
 
@@ -111,12 +96,12 @@ fn unknown(diagnosis: &Diagnosis) -> Option<&Cause> {
 }
 
 /// The record of a part of the log that a record is of.
-pub(super) fn of_part<'a>(records: &'a [Record], record: &Record, part: Part) -> Option<&'a Record> {
+fn of_part<'a>(records: &'a [Record], record: &Record, part: Part) -> Option<&'a Record> {
     records.iter().find(|it| it.log == record.log && it.robot == record.robot && it.part == part)
 }
 
 /// The same verdict in both halves, with the same first effect.
-pub(super) fn halves_agree(records: &[Record], record: &Record) -> Option<bool> {
+fn halves_agree(records: &[Record], record: &Record) -> Option<bool> {
     let half = |part: Part| {
         let found = of_part(records, record, part)?.diagnosis.as_ref()?;
         Some((found.verdict, said(found).and_then(|cause| cause.effects.first())))
@@ -184,12 +169,24 @@ fn timings(results: &Results) -> String {
     text
 }
 
-fn robot(record: &Record) -> Cell {
+pub(super) fn robot(record: &Record) -> Cell {
     record.robot.map_or_else(Cell::default, |robot| Cell::number(f64::from(robot), 0))
 }
 
+/// Whether halves agree.
+pub(super) fn agreed(records: &[Record], record: &Record) -> Cell {
+    halves_agree(records, record).map_or("", |it| if it { "yes" } else { "no" }).into()
+}
+
+/// A row of so many cells, of a log of which nothing can be said.
+pub(super) fn failed(record: &Record, cells: usize) -> Vec<Cell> {
+    let mut row = vec![record.log.clone().into(), robot(record), "error".into(), record.error.clone().into()];
+    row.resize_with(cells, Cell::default);
+    row
+}
+
 /// One row for each log, with what is named and how far it goes.
-pub(super) fn logs(records: &[Record]) -> Table {
+fn logs(records: &[Record]) -> Table {
     let heads = [
         "log",
         "robot",
@@ -201,12 +198,16 @@ pub(super) fn logs(records: &[Record]) -> Table {
         "halves agree",
         "off most by capture",
     ];
-    let mut table = Table::new("Real logs", &heads);
+    let mut table = Table::new("Real logs", &heads).caption(
+        "Effects in the order in which they are named, the most evident first. Closed: the share of the gap, on held-out blocks, \
+         that they close; unknown: the share that remains, and the flexible block that it shows in. By motion capture, or of a car by \
+         inertial navigation: the discrepancy of motion that by itself explains most (scale of speeds, slowing in turns, bend of straight \
+         lines, delay, lag; offset, ratio and lag of a steering), and its share. \
+         Halves agree that have the same verdict and the same most evident effect.",
+    );
     for record in records.iter().filter(|record| record.part == Part::Whole) {
         let Some(diagnosis) = &record.diagnosis else {
-            let empty = std::iter::repeat_n(Cell::default(), heads.len() - 4);
-            let cells = [record.log.clone().into(), robot(record), "error".into(), record.error.clone().into()];
-            table = table.row(RowKind::Ours, cells.into_iter().chain(empty));
+            table = table.row(RowKind::Ours, failed(record, heads.len()));
             continue;
         };
         let far = &diagnosis.how_far;
@@ -217,7 +218,6 @@ pub(super) fn logs(records: &[Record]) -> Table {
             if it.probability < 0.005 { "0".to_owned() } else { format!("{:.2}, {block}", it.probability) }
         });
         let main = record.shares.first().map_or_else(String::new, |(name, share)| format!("{name} ({share:.2})"));
-        let agree = halves_agree(records, record).map_or("", |it| if it { "yes" } else { "no" });
         table = table.row(
             RowKind::Ours,
             [
@@ -228,7 +228,7 @@ pub(super) fn logs(records: &[Record]) -> Table {
                 far.closed.map_or_else(Cell::default, |closed| Cell::number(closed, 2)),
                 interval.into(),
                 remains.into(),
-                agree.into(),
+                agreed(records, record),
                 main.into(),
             ],
         );
@@ -240,7 +240,12 @@ pub(super) fn logs(records: &[Record]) -> Table {
 fn held(records: &[Record]) -> Table {
     let heads =
         ["log", "robot", "parameter", "unit", "found", "90 % interval", "motion capture", "first half", "second half"];
-    let mut table = Table::new("Sizes found in real logs, beside motion capture", &heads);
+    let mut table = Table::new("Sizes found in real logs, beside motion capture", &heads).caption(
+        "Motion capture's numbers are of all discrepancies together, but where of a delay and a lag, or of a focal length and a lens, \
+         one is named that one alone; a lag is on top of the nominal robot's own, a scale of ranges beside a focal length what \
+         that leaves of it. Capture has a clock and a heading of its own: what a camera is late, or turned \
+         against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing.",
+    );
     for record in records.iter().filter(|record| record.part == Part::Whole) {
         let Some(cause) = record.diagnosis.as_ref().and_then(said) else { continue };
         // Wheels do not go sideways.

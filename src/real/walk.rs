@@ -77,6 +77,8 @@ pub struct Record {
     pub robot: Option<u16>,
     /// Which part.
     pub part: Part,
+    /// Whether it is beside what others of the robot's make have.
+    pub among: bool,
     /// What was said of it; `None` where nothing can be.
     pub diagnosis: Option<Diagnosis>,
     /// What motion capture shows, by `NAME.PARAM`.
@@ -95,13 +97,13 @@ impl Record {
     /// Its name in files.
     #[must_use]
     pub fn name(&self) -> String {
-        name(&self.log, self.robot, self.part)
+        name(&self.log, self.robot, self.part, self.among)
     }
 }
 
-fn name(log: &str, robot: Option<u16>, part: Part) -> String {
+fn name(log: &str, robot: Option<u16>, part: Part, among: bool) -> String {
     let robot = robot.map(|robot| format!("_{robot}")).unwrap_or_default();
-    format!("{log}{robot}-{}", part.name())
+    format!("{log}{robot}-{}{}", part.name(), if among { "-among" } else { "" })
 }
 
 /// Complete results, in order.
@@ -164,9 +166,9 @@ pub fn run(
     let parts = [real.hash(), logs.concat(), options.program.clone()];
     let key = blake3::hash(parts.join("\n").as_bytes()).to_hex();
     let keeps = Keeps { store: Store::open(&options.out, key.as_ref()).map_err(crate::verb::plain)?, options, watcher };
-    let records = keeps.diagnosed(&of_parts(&prepared, |_| Some(Kin::NONE)), "").map_err(crate::verb::plain)?;
+    let records = keeps.diagnosed(&of_parts(&prepared, |_| Some(Kin::NONE)), false).map_err(crate::verb::plain)?;
     let of_kin = of_parts(&prepared, |it| kin(&records, &it.source.name, it.robot));
-    let among = keeps.diagnosed(&of_kin, "-among").map_err(crate::verb::plain)?;
+    let among = keeps.diagnosed(&of_kin, true).map_err(crate::verb::plain)?;
     let mut all = Vec::new();
     for source in &real.asked.logs {
         if let Some(learning) = real.asked.learning.as_ref().filter(|_| source.learned_in.is_some()) {
@@ -220,9 +222,9 @@ struct Keeps<'a> {
 }
 
 impl Keeps<'_> {
-    /// Diagnoses what is not done yet; names of files end as is said.
-    fn diagnosed(&self, cases: &[Case<'_>], end: &str) -> Result<Vec<Record>, CannotSweep> {
-        let name = |(it, part, _): &Case<'_>| name(&it.source.name, it.robot, *part) + end;
+    /// Diagnoses what is not done yet.
+    fn diagnosed(&self, cases: &[Case<'_>], among: bool) -> Result<Vec<Record>, CannotSweep> {
+        let name = |(it, part, _): &Case<'_>| name(&it.source.name, it.robot, *part, among);
         let names: Vec<String> = cases.iter().map(name).collect();
         let found = self.store.find::<Record>(&names)?;
         if !cases.is_empty() {
@@ -237,7 +239,7 @@ impl Keeps<'_> {
                     if let Some(done) = done {
                         return Ok(done);
                     }
-                    let record = prepared.record(*part, kin);
+                    let record = Record { among, ..prepared.record(*part, kin) };
                     self.store.keep(&names[i], &record)?;
                     let case = trial::Case { seed: i as u64, robot: prepared.robot, ..trial::Case::default() };
                     self.watcher.finished(&case, &record.timing);
@@ -281,6 +283,7 @@ impl Prepared<'_> {
             log: self.source.name.clone(),
             robot: self.robot,
             part,
+            among: false,
             diagnosis: found.map(|Found { diagnosis, .. }| diagnosis),
             capture: captured.values,
             shares: captured.shares.into_iter().map(|(name, share)| (name.to_owned(), share)).collect(),
