@@ -125,6 +125,8 @@ pub struct EyeKnobs {
     pub pan_offset_rad: f64,
     /// By how much an image is older than its time stamp.
     pub delay_s: f64,
+    /// Where there are pictures only so often, and each is the newest: how far apart they are.
+    pub picture_period_s: f64,
     /// By how much a bright thing is taller, and wider, in the image than it should be.
     pub bloom_px: f64,
     /// Factor on the noise of pixels, or of sizes and bearings where there are no pixels.
@@ -147,6 +149,7 @@ impl Default for EyeKnobs {
             pitch_rad: 0.0,
             pan_offset_rad: 0.0,
             delay_s: 0.0,
+            picture_period_s: 0.0,
             bloom_px: 0.0,
             noise_ratio: 1.0,
             range_ratio: 1.0,
@@ -170,6 +173,15 @@ impl EyeKnobs {
     pub fn bend(&self, r2: f64) -> f64 {
         let turns_r2 = if self.distortion < 0.0 { -1.0 / (3.0 * self.distortion) } else { f64::INFINITY };
         1.0 + self.distortion * r2.min(turns_r2)
+    }
+
+    /// When the picture was taken of which a frame at `t_s` reports.
+    #[must_use]
+    pub fn taken_s(&self, t_s: f64) -> f64 {
+        let period_s = self.picture_period_s;
+        // A picture that is due now is there.
+        let newest_s = if period_s > 0.0 { (t_s / period_s + 1e-9).floor() * period_s } else { t_s };
+        newest_s - self.delay_s
     }
 }
 

@@ -57,6 +57,10 @@ struct Arguments {
     /// Of a real log, odometry stands in for commands, and a reading is of the time before it: S seconds earlier it was commanded
     #[arg(long, value_name = "S", requires = "real")]
     earlier_s: Option<f64>,
+    /// Of a real log, the camera takes N pictures a second by a clock of its own, and what is seen is dated by when the newest is
+    /// picked up: it is taken back to when it was seen, where the log tells
+    #[arg(long, value_name = "N", requires = "real")]
+    camera_hz: Option<f64>,
     /// Of a real log's frames, which are off alike where they follow at once, one in S seconds is taken
     #[arg(long, value_name = "S", requires = "real")]
     every_s: Option<f64>,
@@ -72,12 +76,12 @@ struct Arguments {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     verb::main(|| {
-        let Arguments { average_s, earlier_s, every_s, .. } = arguments;
-        let readied = Readied { average_s, earlier_s, every_s };
+        let Arguments { average_s, earlier_s, camera_hz, every_s, .. } = arguments;
+        let readied = Readied { average_s, earlier_s, camera_hz, every_s };
         if let Some((key, message)) = readied.faults().first() {
             miette::bail!("--{}: {message}", key.replace('_', "-"));
         }
-        let log = readied.of(&verb::dataset(&arguments.dataset)?.log);
+        let (log, taken) = readied.of(&verb::dataset(&arguments.dataset)?.log);
         let folder = arguments.dataset.canonicalize().unwrap_or_else(|_| arguments.dataset.clone());
         let name = folder.file_name().map_or_else(|| "log".to_owned(), |name| name.to_string_lossy().into_owned());
         let asked = Asked {
@@ -88,6 +92,8 @@ fn main() -> ExitCode {
             calibrate: arguments.calibrate,
             real: arguments.real,
             kin: kin::read(&arguments.kin)?,
+            picture_period_s: taken.picture_period_s,
+            notes: taken.said.into_iter().collect(),
         };
         let listener = Progress::default();
         let (answer, ready) = Answer::new(&log, &asked, &listener)?;

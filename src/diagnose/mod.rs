@@ -79,6 +79,10 @@ pub struct Asked {
     pub real: bool,
     /// And what others of its make have.
     pub kin: Kin,
+    /// And, where its camera takes pictures by a clock of its own, from each to the next.
+    pub picture_period_s: Option<f64>,
+    /// What is to be said of what was made of the log before.
+    pub notes: Vec<String>,
     /// Planted cases that must be there to calibrate on, where not what suits the robot.
     pub calibrate: Option<usize>,
 }
@@ -249,6 +253,7 @@ impl Answer {
     /// [`CannotDiagnose`] says what is missing.
     pub fn new(log: &Log, asked: &Asked, listener: &dyn Listener) -> Result<(Self, Ready), CannotDiagnose> {
         let Limited { log, mut notes } = if asked.real { limits::of_real(log)? } else { limits::limits(log)? };
+        notes.extend(asked.notes.iter().cloned());
         if asked.real {
             let car = log.known.robot == Robot::Car.name();
             let by = if !car {
@@ -271,11 +276,12 @@ impl Answer {
         notes.iter().for_each(|note| listener.says(&format!("note: {note}")));
         let ready = Ready::new(&log, asked, listener)?;
         listener.says("reading the log");
-        let Found { diagnosis, lasers } = if asked.real {
+        let Found { mut diagnosis, lasers } = if asked.real {
             ready.diagnose_real(&log, &asked.kin)?
         } else {
             Found { diagnosis: ready.diagnose(&log)?, lasers: Vec::new() }
         };
+        diagnosis.picture_period_s = asked.picture_period_s;
         let cause = repaired::cause(&diagnosis);
         let with_effect = cause.map(|cause| repaired::whole(&ready.held.text, cause, &diagnosis)).transpose()?;
         Ok((Self { diagnosis, notes, with_effect, lasers, length_s: length_s(&log) }, ready))

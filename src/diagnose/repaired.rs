@@ -1,7 +1,7 @@
 //! The nominal scenario with the effects that were found: `with_effect.toml`.
 
 use asami_gap::Diagnosis;
-use asami_gap::answer::diagnosis::{Cause, Noise, Verdict};
+use asami_gap::answer::diagnosis::{Cause, Estimate, Noise, Verdict};
 use asami_sim::effect::About;
 use asami_sim::effects::{Effects, catalogue};
 use toml::{Table, Value};
@@ -59,13 +59,24 @@ pub fn repaired(text: &str, cause: &Cause) -> Result<String, CannotRepair> {
     }
 }
 
-/// The nominal scenario with what a diagnosis says of a log: the effects of its `cause`, and of a real robot its noise.
+/// The nominal scenario with what a diagnosis says of a log: the effects of its `cause`, and of a real robot its noise and the clock
+/// of its camera.
 ///
 /// # Errors
 /// [`CannotRepair`] as of either.
 pub fn whole(text: &str, cause: &Cause, diagnosis: &Diagnosis) -> Result<String, CannotRepair> {
-    let repaired = repaired(text, cause)?;
+    let repaired = repaired(text, &by_its_clock(cause, diagnosis))?;
     if let Some(noise) = &diagnosis.noise { noisy(&repaired, noise) } else { Ok(repaired) }
+}
+
+/// A cause and the clock of the camera, if it has one of its own.
+fn by_its_clock(cause: &Cause, diagnosis: &Diagnosis) -> Cause {
+    let mut all = cause.clone();
+    if let Some(value) = diagnosis.picture_period_s {
+        let estimate = Estimate { value, interval: [value; 2], at_end: false };
+        all.parameters.insert("stale_pictures.period_s".to_owned(), estimate);
+    }
+    all
 }
 
 /// `text`, a scenario of a robot on wheels, as noisy as a log says; others stay as they are.
@@ -225,6 +236,19 @@ learner = "canonical"
         assert_eq!(noisy(NOMINAL, &noise).unwrap(), NOMINAL);
     }
 
+    /// The camera's clock is no cause, and is in the robot all the same; without one nothing is.
+    #[test]
+    fn a_repaired_robot_has_the_clock_of_its_camera() {
+        let nominal = include_str!("../../scenarios/create.toml");
+        let scaled = found(&[("wheel_base.ratio", 1.05)]);
+        for picture_period_s in [None, Some(0.1004)] {
+            let text = whole(nominal, &scaled, &Diagnosis { picture_period_s, ..Diagnosis::flat(&[]) }).unwrap();
+            let on = effects(&text).unwrap();
+            assert_eq!(on.stale_pictures.map(|it| it.period_s), picture_period_s);
+            assert_eq!(on.wheel_base.map(|it| it.ratio), Some(1.05));
+        }
+    }
+
     #[test]
     fn only_a_named_effect_is_put_into_a_scenario() {
         let mut diagnosis = Diagnosis {
@@ -240,6 +264,7 @@ learner = "canonical"
             next_length_s: None,
             smallest_visible: BTreeMap::new(),
             astray_s: None,
+            picture_period_s: None,
             noise: None,
             calibrated_on: None,
             how_far: asami_gap::answer::diagnosis::HowFar::default(),

@@ -67,6 +67,10 @@ pub fn text(diagnosis: &Diagnosis) -> String {
             say("", &format!("RMS of innovations: {}", channels.join(", ")));
         }
     }
+    if let Some(period_s) = diagnosis.picture_period_s {
+        let hz = 1.0 / period_s;
+        say("camera", &format!("{hz:.4} pictures a second by a clock of its own: what it saw is dated by when it did"));
+    }
     if let Some(astray_s) = diagnosis.astray_s.filter(|it| *it > 0.0) {
         say(
             "astray",

@@ -4,6 +4,7 @@
 
 pub mod among;
 pub mod capture;
+pub mod clock;
 pub mod foretold;
 pub mod learning;
 pub mod make;

@@ -7,37 +7,43 @@
 
 use asami_dataset::{Action, Channel, Command, Frame, Log};
 
-/// What is made of a real log before it is diagnosed, in seconds: in this order, where it is said.
+use super::clock::{Taken, dated};
+
+/// What is made of a real log before it is diagnosed: in this order, where it is said.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Readied {
     /// Over how long commands are [`averaged`].
     pub average_s: Option<f64>,
     /// By how much they are [`earlier`].
     pub earlier_s: Option<f64>,
+    /// How many pictures a second the camera takes, by a clock of its own: see [`super::clock`].
+    pub camera_hz: Option<f64>,
     /// How far apart frames are, [`thinned`].
     pub every_s: Option<f64>,
 }
 
 impl Readied {
-    /// The log so made.
+    /// The log so made, and what became of the camera's clock.
     #[must_use]
-    pub fn of(self, log: &Log) -> Log {
+    pub fn of(self, log: &Log) -> (Log, Taken) {
         let made = self.average_s.map_or_else(|| log.clone(), |over_s| averaged(log, over_s));
         let made = self.earlier_s.map_or_else(|| made.clone(), |by_s| earlier(&made, by_s));
-        self.every_s.map_or_else(|| made.clone(), |every_s| thinned(&made, every_s))
+        let (made, taken) = self.camera_hz.map_or_else(|| (made.clone(), Taken::default()), |hz| dated(&made, hz));
+        (self.every_s.map_or_else(|| made.clone(), |every_s| thinned(&made, every_s)), taken)
     }
 
     /// What means nothing, by its key.
     #[must_use]
     pub fn faults(self) -> Vec<(&'static str, String)> {
         let keys = [
-            ("average_s", self.average_s, 0.01..=10.0),
-            ("earlier_s", self.earlier_s, 0.001..=1.0),
-            ("every_s", self.every_s, 0.001..=10.0),
+            ("average_s", self.average_s, 0.01..=10.0, "s"),
+            ("earlier_s", self.earlier_s, 0.001..=1.0, "s"),
+            ("camera_hz", self.camera_hz, 0.5..=200.0, "Hz"),
+            ("every_s", self.every_s, 0.001..=10.0, "s"),
         ];
-        let out_of_range = keys.into_iter().filter_map(|(key, value, range)| {
+        let out_of_range = keys.into_iter().filter_map(|(key, value, range, unit)| {
             let value = value.filter(|value| !range.contains(value))?;
-            Some((key, format!("{key} must lie in {}..={} s, not {value}", range.start(), range.end())))
+            Some((key, format!("{key} must lie in {}..={} {unit}, not {value}", range.start(), range.end())))
         });
         out_of_range.collect()
     }
@@ -155,14 +161,21 @@ mod tests {
     #[test]
     fn a_log_is_readied_step_by_step() {
         let given = log((0..50).map(|i| 0.01 * f64::from(i * i % 7)));
-        assert_eq!(Readied::default().of(&given), given);
-        let all = Readied { average_s: Some(0.5), earlier_s: Some(0.1), every_s: Some(0.3) };
-        assert_eq!(all.of(&given), thinned(&earlier(&averaged(&given, 0.5), 0.1), 0.3));
+        assert_eq!(Readied::default().of(&given), (given.clone(), Taken::default()));
+        let all = Readied { average_s: Some(0.5), earlier_s: Some(0.1), every_s: Some(0.3), camera_hz: None };
+        assert_eq!(all.of(&given).0, thinned(&earlier(&averaged(&given, 0.5), 0.1), 0.3));
+        let (left, taken) = Readied { camera_hz: Some(10.0), ..Readied::default() }.of(&given);
+        assert!(left == given && taken.said.is_some_and(|said| said.contains("too few landmarks are seen in turns")));
         assert_eq!(all.faults(), []);
-        let wrong = Readied { average_s: Some(f64::NAN), earlier_s: Some(2.0), every_s: Some(0.0) };
+        let wrong =
+            Readied { average_s: Some(f64::NAN), earlier_s: Some(2.0), camera_hz: Some(0.0), every_s: Some(0.0) };
         let faults = wrong.faults();
-        assert_eq!(faults.iter().map(|it| it.0).collect::<Vec<_>>(), ["average_s", "earlier_s", "every_s"]);
+        assert_eq!(
+            faults.iter().map(|it| it.0).collect::<Vec<_>>(),
+            ["average_s", "earlier_s", "camera_hz", "every_s"]
+        );
         assert_eq!(faults[1].1, "earlier_s must lie in 0.001..=1 s, not 2");
+        assert_eq!(faults[2].1, "camera_hz must lie in 0.5..=200 Hz, not 0");
     }
 
     /// At every time what was read a reading later is in force.

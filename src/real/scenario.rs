@@ -64,6 +64,9 @@ pub struct Source {
     pub average_s: Option<f64>,
     /// Odometry stands in for commands, and each reading is of the time before it: so much earlier it was commanded.
     pub earlier_s: Option<f64>,
+    /// How many pictures a second the camera takes, by a clock of its own: see [`super::clock`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera_hz: Option<f64>,
     /// Of frames that follow at once, one in so long is taken: see [`super::odometry`].
     pub every_s: Option<f64>,
     /// The scenario by which this recording is learned from: a shipped one's name.
@@ -74,7 +77,8 @@ impl Source {
     /// What is made of its logs.
     #[must_use]
     pub fn readied(&self) -> Readied {
-        Readied { average_s: self.average_s, earlier_s: self.earlier_s, every_s: self.every_s }
+        let Self { average_s, earlier_s, camera_hz, every_s, .. } = *self;
+        Readied { average_s, earlier_s, camera_hz, every_s }
     }
 }
 
@@ -191,6 +195,9 @@ mod tests {
         assert!(said("\"mrclam\"", "\"clam\"").contains("unknown format `clam`"));
         assert!(said("nominal =", "every_s = 11.0\nnominal =").contains("every_s must lie in 0.001..=10 s, not 11"));
         assert!(said("nominal =", "earlier_s = 3.0\nnominal =").contains("earlier_s must lie in 0.001..=1 s, not 3"));
+        assert!(
+            said("nominal =", "camera_hz = 1e3\nnominal =").contains("camera_hz must lie in 0.5..=200 Hz, not 1000")
+        );
         assert!(said("nominal =", "average_s = 0.0\nnominal =").contains("average_s must lie in 0.01..=10 s, not 0"));
         assert!(said("nominal =", "learned_in = \"mrclam\"\nnominal =").contains("without a table [learning]"));
         let learning = |table: &str| said("[[logs]]", &format!("[learning]\n{table}\n[[logs]]"));

@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::io::Write;
 
 use asami::import::mrclam::read;
+use asami::real::clock::heard;
 use asami_dataset::{Action, Dataset, Size, store};
 
 use crate::{Source, import, real, refused, refused_when_broken, said, unspaced, write};
@@ -79,6 +80,26 @@ fn of_two_commands_of_one_time_the_later_holds() {
     let imported = read(dir.path(), 1).unwrap();
     assert!(imported.notes.join("\n").contains("100 commands, and 1 replaced"), "{:?}", imported.notes);
     assert_eq!(imported.dataset.log.commands[1].action.forward_m_per_s(), Some(0.2));
+}
+
+/// Cameras of one model have one rate, which three of the logs tell by bearings and commands; what is dated by it is told no clock
+/// any more.
+#[test]
+fn the_real_cameras_take_ten_pictures_a_second() {
+    let Some(source) = real("mrclam6") else { return };
+    let told = |robot: u16| {
+        let log = read(&source, robot).unwrap().dataset.log;
+        let found = heard(&log, 10.0).unwrap();
+        found.is_told().then(|| {
+            let again = heard(&found.clock.taken_back(&log), 10.0).unwrap();
+            assert!(!again.is_told(), "{robot}: {again:?}");
+            1.0 / found.clock.period_s
+        })
+    };
+    let rates_hz: Vec<Option<f64>> = (1..=5).map(told).collect();
+    assert!([1, 2, 4].iter().all(|i| rates_hz[*i].is_some()), "{rates_hz:?}");
+    // A sixteenth of a turn of the clock over a log is 0.00006 Hz; they agree within eight.
+    assert!(rates_hz.iter().flatten().all(|hz| (hz - 9.9958).abs() < 5e-4), "{rates_hz:?}");
 }
 
 #[test]

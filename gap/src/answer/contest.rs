@@ -139,6 +139,7 @@ impl Diagnosis {
             next_length_s: None,
             smallest_visible: std::collections::BTreeMap::new(),
             astray_s: None,
+            picture_period_s: None,
             noise: None,
             calibrated_on: None,
             how_far: HowFar { comment: "not asked".to_owned(), ..HowFar::default() },

@@ -89,6 +89,7 @@ impl Diagnoser<'_> {
             cannot_tell_apart,
             smallest_visible: smallest_visible(judge, self.variants),
             astray_s: None,
+            picture_period_s: None,
             noise: None,
             calibrated_on: None,
             how_far: if verdict == Verdict::None { HowFar::default() } else { how_far(judge, added) },

@@ -134,6 +134,7 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagno
         next_length_s: None,
         smallest_visible: smallest_visible(judge, variants),
         astray_s: None,
+        picture_period_s: None,
         noise: None,
         calibrated_on: None,
         how_far: far,

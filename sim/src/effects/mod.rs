@@ -38,6 +38,7 @@ pub mod servo_speed_limit;
 pub mod short_leg;
 pub mod slope;
 pub mod spin_rate_error;
+pub mod stale_pictures;
 pub mod steering_lag;
 pub mod steering_offset;
 pub mod steering_ratio;
@@ -137,6 +138,7 @@ effects! {
     camera_pitch => CameraPitch,
     pan_offset => PanOffset,
     image_delay => ImageDelay,
+    stale_pictures => StalePictures,
     height_bias => HeightBias,
     range_scale => RangeScale,
     range_skew => RangeSkew,

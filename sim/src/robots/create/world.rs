@@ -146,7 +146,7 @@ impl CreateWorld {
     /// Takes a frame.
     fn look(&mut self, record: &mut Record) {
         let (pose, eye) = (self.pose(), &self.eye);
-        let seen_from = self.past.at(pose.t_s - eye.delay_s).unwrap_or(pose);
+        let seen_from = self.past.at(eye.taken_s(pose.t_s)).unwrap_or(pose);
         let sight = &self.config.sight;
         self.lasting.go_on();
         let mut sightings = sight.look(pose.t_s, &seen_from, &self.standing, eye, &self.lasting, &mut self.sight_rng);
@@ -162,7 +162,7 @@ impl CreateWorld {
     /// Takes note of where the robot is, and looks when it is time.
     fn note(&mut self, record: &mut Record) {
         let pose = self.pose();
-        self.past.note(pose, pose.t_s - self.eye.delay_s);
+        self.past.note(pose, self.eye.taken_s(pose.t_s));
         record.track.push(pose);
         if self.ticks.is_multiple_of(u64::from(self.config.sight.ticks_per_frame)) {
             self.look(record);

@@ -183,6 +183,27 @@ fn ranges_and_bearings_are_the_sensors() {
     assert!((late - (bearing_rad + 0.025)).abs() < 3e-3, "{late} {bearing_rad}");
 }
 
+/// While the robot turns, frames a tenth of a second apart and pictures 0.08 s apart show a landmark by turns where it is, and where it
+/// was 0.02, 0.04 and 0.06 s before; at rest nothing changes.
+#[test]
+fn pictures_are_as_old_as_frames_and_they_fall_apart() {
+    let bearings = |period_s: f64, omega_rad_per_s: f64| -> Vec<f64> {
+        let mut config = exact();
+        config.sight.view_rad = 6.0;
+        let log =
+            drive(&config, &effects(&[("stale_pictures", "period_s", period_s)]), [0.0, omega_rad_per_s], 6.0).log;
+        log.sightings.iter().filter(|it| it.t_s > 3.0).map(|it| it.bearing_rad).collect()
+    };
+    let mut seen = [0; 4];
+    for (stale, fresh) in bearings(0.08, 0.4).iter().zip(bearings(0.0, 0.4)) {
+        let age = wrap_rad(stale - fresh) / (0.4 * 0.02);
+        assert!((age - age.round()).abs() < 0.05, "{age}");
+        seen[age.round() as usize] += 1;
+    }
+    assert!(seen.iter().all(|it| *it >= 7), "{seen:?}");
+    assert!(bearings(0.08, 0.0).iter().zip(bearings(0.0, 0.0)).all(|(stale, fresh)| (stale - fresh).abs() < 1e-9));
+}
+
 /// What a range is off lasts as long as it is told to: of a robot at rest ranges hang on those before by the share that lasts, and
 /// less and less (Yule 1927). Of 1200 fadings the standard error is 0.04.
 #[test]
