@@ -5,14 +5,16 @@
 //! pictures. From one sighting of a landmark to the next its bearing turns by as much as the robot does, and by how much more the
 //! second picture is older than the first, times the turning rate.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use asami_dataset::{Action, Channel, Frame, Log, Sighting, Size};
+use asami_dataset::{Channel, Frame, Log, Sighting, Size};
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{exp, ln, sin_cos};
+use asami_math::elementary::{ln, sin_cos};
 use asami_math::regression::Regression;
 use asami_math::statistics::median;
 use rayon::prelude::*;
+
+use super::commanded::{Commanded, STEP_S};
 
 /// Sightings of a landmark that are farther apart say little of the robot's turning.
 const APART_S: std::ops::Range<f64> = 0.02..0.6;
@@ -22,8 +24,6 @@ const TURNS_RAD_PER_S: f64 = 0.05;
 const LEAST: usize = 50;
 /// How long a robot may take to turn as it is told.
 const LAGS_S: [f64; 8] = [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5];
-/// Its turning is followed in such steps.
-const STEP_S: f64 = 0.01;
 /// What pairs are off is weighed so often by how far they are.
 const ROUNDS: usize = 12;
 /// A camera's rate is as it is said to be within this share.
@@ -83,21 +83,19 @@ impl Clock {
         self.first_s + ((t_s - self.first_s) / self.period_s).floor() * self.period_s
     }
 
-    /// The log with all that was seen dated by when it was.
+    /// The log with all that was seen dated by when it was. What was read of a picture again is the same again, and stands once.
     #[must_use]
     pub fn taken_back(&self, log: &Log) -> Log {
-        let seen = |it: &Sighting| Sighting { t_s: self.taken_s(it.t_s), ..*it };
+        let mut read: BTreeSet<(u64, u16)> = BTreeSet::new();
+        let sightings = log.sightings.iter().map(|it| Sighting { t_s: self.taken_s(it.t_s), ..*it });
+        let sightings: Vec<Sighting> = sightings.filter(|it| read.insert((it.t_s.to_bits(), it.landmark))).collect();
         let frames = |frames: &Channel<Frame>| -> Channel<Frame> {
             let mut frames: Vec<Frame> =
                 frames.iter().map(|frame| Frame { t_s: self.taken_s(frame.t_s), ..*frame }).collect();
             frames.dedup_by_key(|frame| frame.t_s.to_bits());
             frames.into()
         };
-        Log {
-            frames: log.frames.as_ref().map(frames),
-            sightings: log.sightings.iter().map(seen).collect::<Vec<_>>().into(),
-            ..log.clone()
-        }
+        Log { frames: log.frames.as_ref().map(frames), sightings: sightings.into(), ..log.clone() }
     }
 }
 
@@ -178,7 +176,7 @@ fn likely(pairs: &[Pair], scale: f64, age_s: impl Fn(f64) -> f64) -> f64 {
 
 /// The pairs of a log, of a robot that turns as it is told with a lag; and how far most are off.
 fn pairs(log: &Log, lag_s: f64) -> Option<(Vec<Pair>, f64)> {
-    let turning = Turning::new(log, lag_s)?;
+    let turning = Commanded::new(&log.commands, lag_s, 0.0);
     let mut last: BTreeMap<u16, Sighting> = BTreeMap::new();
     // What each is off, and what may make up for it: that turns are larger or smaller than told, a step to the side, an age that
     // all pictures have, and another lag.
@@ -186,21 +184,27 @@ fn pairs(log: &Log, lag_s: f64) -> Option<(Vec<Pair>, f64)> {
     for seen in log.sightings.iter() {
         let before = last.insert(seen.landmark, *seen);
         let Some(before) = before.filter(|it| APART_S.contains(&(seen.t_s - it.t_s))) else { continue };
-        let both = [&before, seen];
-        let at_s = both.map(|it| it.t_s);
-        let turns_rad_per_s = at_s.map(|t_s| turning.at(t_s).omega_rad_per_s);
+        let at_s = [before.t_s, seen.t_s];
+        let moments = at_s.map(|t_s| Moment::at(&turning, t_s));
+        let [was, is] = &moments;
+        let turns_rad_per_s = [was.omega_rad_per_s, is.omega_rad_per_s];
         if turns_rad_per_s.iter().all(|it| it.abs() < TURNS_RAD_PER_S) {
             continue;
         }
-        let aside = |it: &Sighting| match it.size {
-            Size::RangeM(range_m) => turning.at(it.t_s).v_m_per_s * sin_cos(it.bearing_rad).0 / range_m.max(0.1),
+        let aside = |it: &Sighting, of: &Moment| match it.size {
+            Size::RangeM(range_m) => of.v_m_per_s * sin_cos(it.bearing_rad).0 / range_m.max(0.1),
             Size::HeightPx(_) => 0.0,
         };
-        let aside_rad = 0.5 * (at_s[1] - at_s[0]) * (aside(&before) + aside(seen));
-        let turned_rad = turning.heading_rad(at_s[1]) - turning.heading_rad(at_s[0]);
-        let grows = |of: fn(&Moment) -> f64| of(turning.at(at_s[1])) - of(turning.at(at_s[0]));
+        let length_s = at_s[1] - at_s[0];
+        let aside_rad = 0.5 * length_s * (aside(&before, was) + aside(seen, is));
+        let [_, turned_rad, _] = turning.over(at_s[0], length_s);
         let off_rad = wrap_rad(seen.bearing_rad - before.bearing_rad) + turned_rad - aside_rad;
-        let others = [turned_rad, aside_rad, grows(|it| it.omega_rad_per_s), grows(|it| it.alpha_rad_per_s2)];
+        let others = [
+            turned_rad,
+            aside_rad,
+            is.omega_rad_per_s - was.omega_rad_per_s,
+            is.alpha_rad_per_s2 - was.alpha_rad_per_s2,
+        ];
         found.push((Pair { at_s, turns_rad_per_s, off_rad }, others));
     }
     (found.len() >= LEAST).then(|| freed(found))
@@ -230,70 +234,24 @@ fn freed(mut pairs: Vec<(Pair, [f64; 4])>) -> (Vec<Pair>, f64) {
     (pairs.into_iter().map(|(pair, _)| pair).collect(), scale)
 }
 
-/// How a robot moves at a moment.
-#[derive(Clone, Copy, Debug, Default)]
+/// Speed and turning rate at a moment, and how the latter changes.
 struct Moment {
     v_m_per_s: f64,
     omega_rad_per_s: f64,
     alpha_rad_per_s2: f64,
 }
 
-/// How it turns as it is told, with a lag.
-struct Turning {
-    from_s: f64,
-    moments: Vec<Moment>,
-    /// Turned by the beginning of each step.
-    headings_rad: Vec<f64>,
-}
-
-impl Turning {
-    fn new(log: &Log, lag_s: f64) -> Option<Self> {
-        let (from_s, to_s) = log.span_s()?;
-        let steps = ((to_s - from_s) / STEP_S).ceil() as usize + 1;
-        let share = 1.0 - exp(-STEP_S / lag_s);
-        let (mut next, mut told, mut now, mut heading_rad) = (0, [0.0; 2], Moment::default(), 0.0);
-        let (mut moments, mut headings_rad) = (Vec::with_capacity(steps), Vec::with_capacity(steps));
-        for i in 0..steps {
-            let t_s = from_s + i as f64 * STEP_S;
-            while let Some(command) = log.commands.get(next).filter(|it| it.t_s <= t_s) {
-                told = match command.action {
-                    Action::Wheels { v_m_per_s, omega_rad_per_s, .. } => [v_m_per_s, omega_rad_per_s],
-                    Action::Legs { ay_m_per_s, atheta_rad_per_s, .. } => [ay_m_per_s, atheta_rad_per_s],
-                    Action::Pedals { .. } => return None,
-                };
-                next += 1;
-            }
-            let alpha_rad_per_s2 = share * (told[1] - now.omega_rad_per_s) / STEP_S;
-            now = Moment {
-                v_m_per_s: now.v_m_per_s + share * (told[0] - now.v_m_per_s),
-                omega_rad_per_s: now.omega_rad_per_s + STEP_S * alpha_rad_per_s2,
-                alpha_rad_per_s2,
-            };
-            moments.push(now);
-            headings_rad.push(heading_rad);
-            heading_rad += STEP_S * now.omega_rad_per_s;
-        }
-        Some(Self { from_s, moments, headings_rad })
-    }
-
-    fn step(&self, t_s: f64) -> usize {
-        (((t_s - self.from_s) / STEP_S).max(0.0) as usize).min(self.moments.len() - 1)
-    }
-
-    fn at(&self, t_s: f64) -> &Moment {
-        &self.moments[self.step(t_s)]
-    }
-
-    fn heading_rad(&self, t_s: f64) -> f64 {
-        let step = self.step(t_s);
-        let within_s = t_s - self.from_s - step as f64 * STEP_S;
-        self.headings_rad[step] + within_s * self.moments[step].omega_rad_per_s
+impl Moment {
+    fn at(turning: &Commanded, t_s: f64) -> Self {
+        let rates = |from_s: f64| turning.over(from_s, STEP_S).map(|it| it / STEP_S);
+        let ([v_m_per_s, omega_rad_per_s, _], [_, before, _]) = (rates(t_s - 0.5 * STEP_S), rates(t_s - 1.5 * STEP_S));
+        Self { v_m_per_s, omega_rad_per_s, alpha_rad_per_s2: (omega_rad_per_s - before) / STEP_S }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use asami_dataset::{Beacon, Command, Known, Seed};
+    use asami_dataset::{Action, Beacon, Command, Known, Seed};
     use asami_math::elementary::{atan2, hypot};
     use rand::RngExt;
     use rand_distr::StandardNormal;
@@ -319,11 +277,11 @@ mod tests {
         let landmarks: Vec<Beacon> = (0..6).map(place).collect();
         let known = Known { landmarks: landmarks.clone(), ..Known::default() };
         let log = Log { commands: commands.into(), known: known.into(), ..Log::default() };
-        let truth = Turning::new(&log, 0.2).unwrap();
+        let truth = Commanded::new(&log.commands, 0.2, 0.0);
         let mut sightings = Vec::new();
         for frame in 1..(LENGTH_S / 0.233) as usize - 20 {
             let t_s = 0.233 * frame as f64;
-            let heading_rad = truth.heading_rad(camera.map_or(t_s, |camera| camera.taken_s(t_s)));
+            let heading_rad = truth.until(camera.map_or(t_s, |camera| camera.taken_s(t_s)))[1];
             for Beacon { id: landmark, x_m, y_m, .. } in landmarks.iter().copied() {
                 let error_rad = 0.005 * rng.sample::<f64, _>(StandardNormal);
                 let bearing_rad = wrap_rad(atan2(-x_m, y_m) - heading_rad + error_rad);
@@ -368,12 +326,18 @@ mod tests {
         assert_eq!(heard(&Log::default(), 10.0), None);
     }
 
-    /// Two frames of one picture are one.
+    /// Two frames of one picture are one, and what was seen in both was seen once.
     #[test]
     fn frames_are_taken_back_as_well() {
-        let frames: Vec<Frame> = (0..40).map(|i| Frame { t_s: 0.05 * f64::from(i), head_pan_rad: 0.0 }).collect();
-        let log = Log { frames: Some(frames.into()), ..Log::default() };
+        let t_s = |i: u16| 0.05 * f64::from(i);
+        let frames: Vec<Frame> = (0..40).map(|i| Frame { t_s: t_s(i), head_pan_rad: 0.0 }).collect();
+        let seen = |i: u16| {
+            (0..2).map(move |landmark| Sighting { t_s: t_s(i), landmark, size: Size::RangeM(1.0), bearing_rad: 0.0 })
+        };
+        let sightings: Vec<Sighting> = (0..40).flat_map(seen).collect();
+        let log = Log { frames: Some(frames.into()), sightings: sightings.into(), ..Log::default() };
         let taken = Clock { period_s: 0.1, first_s: 0.02 }.taken_back(&log);
+        assert_eq!(taken.sightings.len(), 2 * 21);
         let frames = taken.frames.unwrap();
         assert!(frames.len() == 21 && frames.windows(2).all(|pair| (pair[1].t_s - pair[0].t_s - 0.1).abs() < 1e-9));
     }

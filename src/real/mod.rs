@@ -5,6 +5,7 @@
 pub mod among;
 pub mod capture;
 pub mod clock;
+pub mod commanded;
 pub mod foretold;
 pub mod learning;
 pub mod make;

@@ -98,7 +98,7 @@ fn the_real_cameras_take_ten_pictures_a_second() {
     };
     let rates_hz: Vec<Option<f64>> = (1..=5).map(told).collect();
     assert!([1, 2, 4].iter().all(|i| rates_hz[*i].is_some()), "{rates_hz:?}");
-    // A sixteenth of a turn of the clock over a log is 0.00006 Hz; they agree within eight.
+    // Rates are looked at by an eighth of a period over the log, 0.0001 Hz.
     assert!(rates_hz.iter().flatten().all(|hz| (hz - 9.9958).abs() < 5e-4), "{rates_hz:?}");
 }
 

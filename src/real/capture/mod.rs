@@ -19,10 +19,10 @@ use asami_dataset::{Dataset, TruePose};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, sin_cos};
 
+use super::commanded::STEP_S;
+
 /// Length of a window.
 const WINDOW_S: f64 = 1.0;
-/// Truth and commands are looked at so often.
-const STEP_S: f64 = 0.01;
 /// Truth with a longer gap is none.
 const MOST_GAP_S: f64 = 0.4;
 /// Sightings, ways and turns farther off than so many times the median are of something else.

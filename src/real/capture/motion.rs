@@ -1,10 +1,10 @@
 //! Commands and the motion that came of them.
 
 use asami_dataset::{Action, Command, Dataset};
-use asami_math::elementary::exp;
 use asami_math::statistics::median;
 
-use super::{Capture, LEAST, OUTLIER, ROUNDS, STEP_S, Together, WINDOW_S, Window};
+use super::{Capture, LEAST, OUTLIER, ROUNDS, Together, WINDOW_S, Window};
+use crate::real::commanded::Commanded;
 
 /// Delays and lags that are tried.
 const MOST_LATE_S: f64 = 0.8;
@@ -41,54 +41,12 @@ const ALL: Free = Free { scaled: true, slowed: true, bent: true };
 const DELAY: &str = "command_delay.delay_s";
 const LAG: &str = "wheel_lag.lag_s";
 
-/// Commanded speed, turning rate, and speed times squared turning rate, behind a lag, every so often from a time on.
-struct Commanded {
-    from_s: f64,
-    /// Integrals from the beginning.
-    sums: Vec<[f64; 3]>,
-}
-
-impl Commanded {
-    fn new(commands: &[Command], lag_s: f64) -> Self {
-        let (from_s, to_s) = commands.first().zip(commands.last()).map_or((0.0, 0.0), |(a, b)| (a.t_s, b.t_s));
-        let steps = ((to_s - from_s + MOST_LATE_S) / STEP_S) as usize + 1;
-        let (mut next, mut given, mut acting) = (0, [0.0; 3], [0.0; 3]);
-        let mut sums = vec![[0.0; 3]];
-        let share = 1.0 - exp(-STEP_S / lag_s.max(1e-6));
-        for i in 0..steps {
-            let t_s = from_s + (i as f64 + 0.5) * STEP_S;
-            while let Some(command) = commands.get(next).filter(|command| command.t_s <= t_s) {
-                if let Action::Wheels { v_m_per_s: v, omega_rad_per_s: omega, .. } = command.action {
-                    given = [v, omega, v * omega * omega];
-                }
-                next += 1;
-            }
-            acting = std::array::from_fn(|k| acting[k] + share * (given[k] - acting[k]));
-            let last = sums[i];
-            sums.push(std::array::from_fn(|k| last[k] + STEP_S * acting[k]));
-        }
-        Self { from_s, sums }
-    }
-
-    /// The integrals over a window.
-    fn over(&self, from_s: f64) -> [f64; 3] {
-        let at = |t_s: f64| {
-            let step = ((t_s - self.from_s) / STEP_S).clamp(0.0, self.sums.len() as f64 - 1.0);
-            let (i, share) = (step as usize, step.fract());
-            let [a, b] = [i, i + 1].map(|i| self.sums[i.min(self.sums.len() - 1)]);
-            std::array::from_fn::<f64, 3, _>(|k| a[k] + share * (b[k] - a[k]))
-        };
-        let (before, after) = (at(from_s), at(from_s + WINDOW_S));
-        std::array::from_fn(|k| after[k] - before[k])
-    }
-}
-
 /// Commands behind every lag that is tried, the shortest first.
 struct Lags(Vec<Commanded>);
 
 impl Lags {
     fn new(commands: &[Command]) -> Self {
-        Self(up_to(MOST_LATE_S, FINE_S).map(|lag_s| Commanded::new(commands, lag_s)).collect())
+        Self(up_to(MOST_LATE_S, FINE_S).map(|lag_s| Commanded::new(commands, lag_s, MOST_LATE_S)).collect())
     }
 
     /// The best of a few ways to be late, by squares in units of `scale`; where there is none, of the least that any
@@ -101,7 +59,8 @@ impl Lags {
 
     fn fit(&self, windows: &[Window], late: Late, free: Free) -> Option<Left> {
         let commanded = self.0.get((late.lag_s / FINE_S).round() as usize)?;
-        let over: Vec<[f64; 3]> = windows.iter().map(|window| commanded.over(window.from_s - late.delay_s)).collect();
+        let over: Vec<[f64; 3]> =
+            windows.iter().map(|window| commanded.over(window.from_s - late.delay_s, WINDOW_S)).collect();
         let squares = |k: usize| over.iter().fold(0.0, |sum, it| sum + it[k] * it[k]);
         let (turns, slows) = (squares(1) > 1e-9, squares(2) > 1e-12);
         let fitted = |axis: usize, of: &dyn Fn(&[f64; 3]) -> [f64; 2], free: [bool; 2]| {

@@ -1,0 +1,64 @@
+//! What a robot was commanded, behind a lag.
+
+use asami_dataset::{Action, Command};
+use asami_math::elementary::exp;
+
+/// Commands, and what came of them, are looked at so often.
+pub const STEP_S: f64 = 0.01;
+
+/// Commanded speed, turning rate, and speed times squared turning rate, behind a lag, every so often from a time on.
+pub struct Commanded {
+    from_s: f64,
+    /// Integrals from the beginning.
+    sums: Vec<[f64; 3]>,
+}
+
+impl Commanded {
+    /// Behind a lag of this time constant, until so long after the last command. Pedals command neither.
+    #[must_use]
+    pub fn new(commands: &[Command], lag_s: f64, after_s: f64) -> Self {
+        let (from_s, to_s) = commands.first().zip(commands.last()).map_or((0.0, 0.0), |(a, b)| (a.t_s, b.t_s));
+        let steps = ((to_s - from_s + after_s) / STEP_S) as usize + 1;
+        let (mut next, mut given, mut acting) = (0, [0.0; 3], [0.0; 3]);
+        let mut sums = vec![[0.0; 3]];
+        let share = 1.0 - exp(-STEP_S / lag_s.max(1e-6));
+        for i in 0..steps {
+            let t_s = from_s + (i as f64 + 0.5) * STEP_S;
+            while let Some(command) = commands.get(next).filter(|command| command.t_s <= t_s) {
+                if let Some([v, omega]) = velocity(&command.action) {
+                    given = [v, omega, v * omega * omega];
+                }
+                next += 1;
+            }
+            acting = std::array::from_fn(|k| acting[k] + share * (given[k] - acting[k]));
+            let last = sums[i];
+            sums.push(std::array::from_fn(|k| last[k] + STEP_S * acting[k]));
+        }
+        Self { from_s, sums }
+    }
+
+    /// The integrals from the beginning until a time.
+    #[must_use]
+    pub fn until(&self, t_s: f64) -> [f64; 3] {
+        let step = ((t_s - self.from_s) / STEP_S).clamp(0.0, self.sums.len() as f64 - 1.0);
+        let (i, share) = (step as usize, step.fract());
+        let [a, b] = [i, i + 1].map(|i| self.sums[i.min(self.sums.len() - 1)]);
+        std::array::from_fn(|k| a[k] + share * (b[k] - a[k]))
+    }
+
+    /// The integrals over so long from a time on.
+    #[must_use]
+    pub fn over(&self, from_s: f64, length_s: f64) -> [f64; 3] {
+        let (before, after) = (self.until(from_s), self.until(from_s + length_s));
+        std::array::from_fn(|k| after[k] - before[k])
+    }
+}
+
+/// Commanded forward speed and turning rate.
+fn velocity(action: &Action) -> Option<[f64; 2]> {
+    match *action {
+        Action::Wheels { v_m_per_s, omega_rad_per_s, .. } => Some([v_m_per_s, omega_rad_per_s]),
+        Action::Legs { ay_m_per_s, atheta_rad_per_s, .. } => Some([ay_m_per_s, atheta_rad_per_s]),
+        Action::Pedals { .. } => None,
+    }
+}
