@@ -19,3 +19,4 @@ pub mod regression;
 pub mod rigid;
 pub mod statistics;
 pub mod tridiagonal;
+pub mod wandering;

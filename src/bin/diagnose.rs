@@ -61,6 +61,10 @@ struct Arguments {
     /// picked up: it is taken back to when it was seen, where the log tells
     #[arg(long, value_name = "N", requires = "real")]
     camera_hz: Option<f64>,
+    /// Of a real log, commands are taken up once in a cycle of about S seconds, and the newest is in force until the next: they are given
+    /// as they were taken up, where the log tells
+    #[arg(long, value_name = "S", requires = "real")]
+    command_cycle_s: Option<f64>,
     /// Of a real log's frames, which are off alike where they follow at once, one in S seconds is taken
     #[arg(long, value_name = "S", requires = "real")]
     every_s: Option<f64>,
@@ -76,12 +80,12 @@ struct Arguments {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     verb::main(|| {
-        let Arguments { average_s, earlier_s, camera_hz, every_s, .. } = arguments;
-        let readied = Readied { average_s, earlier_s, camera_hz, every_s };
+        let Arguments { average_s, earlier_s, camera_hz, command_cycle_s, every_s, .. } = arguments;
+        let readied = Readied { average_s, earlier_s, camera_hz, command_cycle_s, every_s };
         if let Some((key, message)) = readied.faults().first() {
             miette::bail!("--{}: {message}", key.replace('_', "-"));
         }
-        let (log, taken) = readied.of(&verb::dataset(&arguments.dataset)?.log);
+        let (log, clocks) = readied.of(&verb::dataset(&arguments.dataset)?.log);
         let folder = arguments.dataset.canonicalize().unwrap_or_else(|_| arguments.dataset.clone());
         let name = folder.file_name().map_or_else(|| "log".to_owned(), |name| name.to_string_lossy().into_owned());
         let asked = Asked {
@@ -92,8 +96,9 @@ fn main() -> ExitCode {
             calibrate: arguments.calibrate,
             real: arguments.real,
             kin: kin::read(&arguments.kin)?,
-            picture_period_s: taken.picture_period_s,
-            notes: taken.said.into_iter().collect(),
+            picture_period_s: clocks.picture_period_s,
+            command_cycle_s: clocks.command_cycle_s,
+            notes: clocks.said,
         };
         let listener = Progress::default();
         let (answer, ready) = Answer::new(&log, &asked, &listener)?;

@@ -81,6 +81,8 @@ pub struct Asked {
     pub kin: Kin,
     /// And, where its camera takes pictures by a clock of its own, from each to the next.
     pub picture_period_s: Option<f64>,
+    /// And, where commands are taken up once in a cycle, how long that is.
+    pub command_cycle_s: Option<f64>,
     /// What is to be said of what was made of the log before.
     pub notes: Vec<String>,
     /// Planted cases that must be there to calibrate on, where not what suits the robot.
@@ -282,6 +284,7 @@ impl Answer {
             Found { diagnosis: ready.diagnose(&log)?, lasers: Vec::new() }
         };
         diagnosis.picture_period_s = asked.picture_period_s;
+        diagnosis.command_cycle_s = asked.command_cycle_s;
         let cause = repaired::cause(&diagnosis);
         let with_effect = cause.map(|cause| repaired::whole(&ready.held.text, cause, &diagnosis)).transpose()?;
         Ok((Self { diagnosis, notes, with_effect, lasers, length_s: length_s(&log) }, ready))

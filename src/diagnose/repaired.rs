@@ -59,22 +59,25 @@ pub fn repaired(text: &str, cause: &Cause) -> Result<String, CannotRepair> {
     }
 }
 
-/// The nominal scenario with what a diagnosis says of a log: the effects of its `cause`, and of a real robot its noise and the clock
-/// of its camera.
+/// The nominal scenario with what a diagnosis says of a log: the effects of its `cause`, and of a real robot its noise and the clocks of
+/// its own.
 ///
 /// # Errors
 /// [`CannotRepair`] as of either.
 pub fn whole(text: &str, cause: &Cause, diagnosis: &Diagnosis) -> Result<String, CannotRepair> {
-    let repaired = repaired(text, &by_its_clock(cause, diagnosis))?;
+    let repaired = repaired(text, &by_its_clocks(cause, diagnosis))?;
     if let Some(noise) = &diagnosis.noise { noisy(&repaired, noise) } else { Ok(repaired) }
 }
 
-/// A cause and the clock of the camera, if it has one of its own.
-fn by_its_clock(cause: &Cause, diagnosis: &Diagnosis) -> Cause {
+/// A cause, and the clocks of the camera and of whoever takes commands up, if they are the robot's own.
+fn by_its_clocks(cause: &Cause, diagnosis: &Diagnosis) -> Cause {
+    let clocks = [
+        ("stale_pictures.period_s", diagnosis.picture_period_s),
+        ("command_cycle.period_s", diagnosis.command_cycle_s),
+    ];
     let mut all = cause.clone();
-    if let Some(value) = diagnosis.picture_period_s {
-        let estimate = Estimate { value, interval: [value; 2], at_end: false };
-        all.parameters.insert("stale_pictures.period_s".to_owned(), estimate);
+    for (name, value) in clocks.into_iter().filter_map(|(name, value)| Some((name, value?))) {
+        all.parameters.insert(name.to_owned(), Estimate { value, interval: [value; 2], at_end: false });
     }
     all
 }
@@ -236,15 +239,16 @@ learner = "canonical"
         assert_eq!(noisy(NOMINAL, &noise).unwrap(), NOMINAL);
     }
 
-    /// The camera's clock is no cause, and is in the robot all the same; without one nothing is.
+    /// Clocks are no cause, and are in the robot all the same; without any nothing is.
     #[test]
-    fn a_repaired_robot_has_the_clock_of_its_camera() {
+    fn a_repaired_robot_has_its_clocks() {
         let nominal = include_str!("../../scenarios/create.toml");
         let scaled = found(&[("wheel_base.ratio", 1.05)]);
-        for picture_period_s in [None, Some(0.1004)] {
-            let text = whole(nominal, &scaled, &Diagnosis { picture_period_s, ..Diagnosis::flat(&[]) }).unwrap();
-            let on = effects(&text).unwrap();
+        for (picture_period_s, command_cycle_s) in [(None, None), (Some(0.1004), None), (Some(0.1), Some(0.2162))] {
+            let clocks = Diagnosis { picture_period_s, command_cycle_s, ..Diagnosis::flat(&[]) };
+            let on = effects(&whole(nominal, &scaled, &clocks).unwrap()).unwrap();
             assert_eq!(on.stale_pictures.map(|it| it.period_s), picture_period_s);
+            assert_eq!(on.command_cycle.map(|it| it.period_s), command_cycle_s);
             assert_eq!(on.wheel_base.map(|it| it.ratio), Some(1.05));
         }
     }
@@ -265,6 +269,7 @@ learner = "canonical"
             smallest_visible: BTreeMap::new(),
             astray_s: None,
             picture_period_s: None,
+            command_cycle_s: None,
             noise: None,
             calibrated_on: None,
             how_far: asami_gap::answer::diagnosis::HowFar::default(),

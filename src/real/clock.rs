@@ -5,19 +5,17 @@
 //! pictures. From one sighting of a landmark to the next its bearing turns by as much as the robot does, and by how much more the
 //! second picture is older than the first, times the turning rate.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
-use asami_dataset::{Channel, Frame, Log, Sighting, Size};
-use asami_math::angle::wrap_rad;
-use asami_math::elementary::{ln, sin_cos};
+use asami_dataset::{Channel, Frame, Log, Sighting};
+use asami_math::elementary::ln;
 use asami_math::regression::Regression;
 use asami_math::statistics::median;
 use rayon::prelude::*;
 
 use super::commanded::{Commanded, STEP_S};
+use super::pairs::Pair;
 
-/// Sightings of a landmark that are farther apart say little of the robot's turning.
-const APART_S: std::ops::Range<f64> = 0.02..0.6;
 /// A robot that turns more slowly shows nothing of pictures' age.
 const TURNS_RAD_PER_S: f64 = 0.05;
 /// Fewer pairs of sightings show nothing.
@@ -57,17 +55,19 @@ pub struct Heard {
     pub by_chance_nats: f64,
 }
 
-/// What became of a camera's clock.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Taken {
-    /// In words; `None` where nobody asked.
-    pub said: Option<String>,
-    /// From each picture to the next, if what was seen was taken back.
-    pub picture_period_s: Option<f64>,
+/// A log by a clock that was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// As it was where the log does not tell the clock.
+    pub log: Log,
+    /// How far apart the clock strikes, if it tells.
+    pub period_s: Option<f64>,
+    /// The same in words, and how sure it is.
+    pub said: String,
 }
 
 /// A landmark's sightings, one after another.
-struct Pair {
+struct Aged {
     /// When.
     at_s: [f64; 2],
     /// How fast the robot turned.
@@ -109,7 +109,7 @@ impl Heard {
 
 /// The log with all that was seen dated by when it was, where it tells when a camera of so many pictures a second took them.
 #[must_use]
-pub fn dated(log: &Log, rate_hz: f64) -> (Log, Taken) {
+pub fn dated(log: &Log, rate_hz: f64) -> Told {
     match heard(log, rate_hz) {
         Some(heard) if heard.is_told() => {
             let Heard { clock, nats, by_chance_nats } = heard;
@@ -119,7 +119,7 @@ pub fn dated(log: &Log, rate_hz: f64) -> (Log, Taken) {
                 1.0 / clock.period_s,
                 1e3 * clock.period_s
             );
-            (clock.taken_back(log), Taken { said: Some(said), picture_period_s: Some(clock.period_s) })
+            Told { log: clock.taken_back(log), period_s: Some(clock.period_s), said }
         }
         heard => {
             let why = heard.map_or_else(
@@ -129,7 +129,7 @@ pub fn dated(log: &Log, rate_hz: f64) -> (Log, Taken) {
             let said = format!(
                 "when a camera of {rate_hz} pictures a second took them the log does not tell ({why}): what was seen stays as it is dated"
             );
-            (log.clone(), Taken { said: Some(said), picture_period_s: None })
+            Told { log: log.clone(), period_s: None, said }
         }
     }
 }
@@ -165,8 +165,8 @@ pub fn heard(log: &Log, rate_hz: f64) -> Option<Heard> {
 
 /// How likely what pairs are off is where pictures have such an age, but for a constant: of Cauchy's law, whose tails are as long as
 /// those of what a camera takes for a mark.
-fn likely(pairs: &[Pair], scale: f64, age_s: impl Fn(f64) -> f64) -> f64 {
-    let of = |pair: &Pair| {
+fn likely(pairs: &[Aged], scale: f64, age_s: impl Fn(f64) -> f64) -> f64 {
+    let of = |pair: &Aged| {
         let [before, after] = [0, 1].map(|k| pair.turns_rad_per_s[k] * age_s(pair.at_s[k]));
         let off = (pair.off_rad - (after - before)) / scale;
         ln(1.0 + off * off)
@@ -175,49 +175,37 @@ fn likely(pairs: &[Pair], scale: f64, age_s: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// The pairs of a log, of a robot that turns as it is told with a lag; and how far most are off.
-fn pairs(log: &Log, lag_s: f64) -> Option<(Vec<Pair>, f64)> {
+fn pairs(log: &Log, lag_s: f64) -> Option<(Vec<Aged>, f64)> {
     let turning = Commanded::new(&log.commands, lag_s, 0.0);
-    let mut last: BTreeMap<u16, Sighting> = BTreeMap::new();
     // What each is off, and what may make up for it: that turns are larger or smaller than told, a step to the side, an age that
     // all pictures have, and another lag.
-    let mut found: Vec<(Pair, [f64; 4])> = Vec::new();
-    for seen in log.sightings.iter() {
-        let before = last.insert(seen.landmark, *seen);
-        let Some(before) = before.filter(|it| APART_S.contains(&(seen.t_s - it.t_s))) else { continue };
-        let at_s = [before.t_s, seen.t_s];
+    let mut found: Vec<(Aged, [f64; 4])> = Vec::new();
+    for pair in Pair::all(log) {
+        let at_s = pair.at_s();
         let moments = at_s.map(|t_s| Moment::at(&turning, t_s));
         let [was, is] = &moments;
         let turns_rad_per_s = [was.omega_rad_per_s, is.omega_rad_per_s];
         if turns_rad_per_s.iter().all(|it| it.abs() < TURNS_RAD_PER_S) {
             continue;
         }
-        let aside = |it: &Sighting, of: &Moment| match it.size {
-            Size::RangeM(range_m) => of.v_m_per_s * sin_cos(it.bearing_rad).0 / range_m.max(0.1),
-            Size::HeightPx(_) => 0.0,
-        };
-        let length_s = at_s[1] - at_s[0];
-        let aside_rad = 0.5 * length_s * (aside(&before, was) + aside(seen, is));
-        let [_, turned_rad, _] = turning.over(at_s[0], length_s);
-        let off_rad = wrap_rad(seen.bearing_rad - before.bearing_rad) + turned_rad - aside_rad;
+        let aside_rad = pair.aside_rad([was.v_m_per_s, is.v_m_per_s]);
+        let [_, turned_rad, _] = turning.over(at_s[0], at_s[1] - at_s[0]);
+        let off_rad = pair.turned_rad() + turned_rad - aside_rad;
         let others = [
             turned_rad,
             aside_rad,
             is.omega_rad_per_s - was.omega_rad_per_s,
             is.alpha_rad_per_s2 - was.alpha_rad_per_s2,
         ];
-        found.push((Pair { at_s, turns_rad_per_s, off_rad }, others));
+        found.push((Aged { at_s, turns_rad_per_s, off_rad }, others));
     }
     (found.len() >= LEAST).then(|| freed(found))
 }
 
 /// What pairs are off beside all else that may make up for it, by least squares of those that are not far off; and how far most are.
-fn freed(mut pairs: Vec<(Pair, [f64; 4])>) -> (Vec<Pair>, f64) {
+fn freed(mut pairs: Vec<(Aged, [f64; 4])>) -> (Vec<Aged>, f64) {
     let given: Vec<f64> = pairs.iter().map(|(pair, _)| pair.off_rad).collect();
-    let usual = |pairs: &[(Pair, [f64; 4])]| {
-        let off: Vec<f64> = pairs.iter().map(|(pair, _)| pair.off_rad.abs()).collect();
-        // Of a Gaussian this is the standard deviation.
-        1.4826 * median(&off).unwrap_or(0.0).max(1e-6)
-    };
+    let usual = |pairs: &[(Aged, [f64; 4])]| usual(pairs.iter().map(|(pair, _)| pair.off_rad));
     for _ in 0..ROUNDS {
         let scale = usual(&pairs);
         let mut regression = Regression::new(4);
@@ -232,6 +220,11 @@ fn freed(mut pairs: Vec<(Pair, [f64; 4])>) -> (Vec<Pair>, f64) {
     }
     let scale = usual(&pairs);
     (pairs.into_iter().map(|(pair, _)| pair).collect(), scale)
+}
+
+/// How far most of these are off: of a Gaussian the standard deviation.
+pub(super) fn usual(off: impl Iterator<Item = f64>) -> f64 {
+    1.4826 * median(&off.map(f64::abs).collect::<Vec<f64>>()).unwrap_or(0.0).max(1e-6)
 }
 
 /// Speed and turning rate at a moment, and how the latter changes.
@@ -251,8 +244,9 @@ impl Moment {
 
 #[cfg(test)]
 mod tests {
-    use asami_dataset::{Action, Beacon, Command, Known, Seed};
-    use asami_math::elementary::{atan2, hypot};
+    use asami_dataset::{Action, Beacon, Command, Known, Seed, Size};
+    use asami_math::angle::wrap_rad;
+    use asami_math::elementary::{atan2, hypot, sin_cos};
     use rand::RngExt;
     use rand_distr::StandardNormal;
 

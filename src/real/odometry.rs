@@ -7,7 +7,8 @@
 
 use asami_dataset::{Action, Channel, Command, Frame, Log};
 
-use super::clock::{Taken, dated};
+use super::clock::{Told, dated};
+use super::cycle::taken_up;
 
 /// What is made of a real log before it is diagnosed: in this order, where it is said.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,18 +19,38 @@ pub struct Readied {
     pub earlier_s: Option<f64>,
     /// How many pictures a second the camera takes, by a clock of its own: see [`super::clock`].
     pub camera_hz: Option<f64>,
+    /// About how long a cycle is in which commands are taken up once: see [`super::cycle`].
+    pub command_cycle_s: Option<f64>,
     /// How far apart frames are, [`thinned`].
     pub every_s: Option<f64>,
 }
 
+/// What became of the clocks of a robot's own that were asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Clocks {
+    /// In words, of each.
+    pub said: Vec<String>,
+    /// From each picture to the next, if what was seen was taken back.
+    pub picture_period_s: Option<f64>,
+    /// From one look for commands to the next, if they are given as they were taken up.
+    pub command_cycle_s: Option<f64>,
+}
+
 impl Readied {
-    /// The log so made, and what became of the camera's clock.
+    /// The log so made, and what became of its clocks.
     #[must_use]
-    pub fn of(self, log: &Log) -> (Log, Taken) {
+    pub fn of(self, log: &Log) -> (Log, Clocks) {
         let made = self.average_s.map_or_else(|| log.clone(), |over_s| averaged(log, over_s));
         let made = self.earlier_s.map_or_else(|| made.clone(), |by_s| earlier(&made, by_s));
-        let (made, taken) = self.camera_hz.map_or_else(|| (made.clone(), Taken::default()), |hz| dated(&made, hz));
-        (self.every_s.map_or_else(|| made.clone(), |every_s| thinned(&made, every_s)), taken)
+        let camera = self.camera_hz.map(|hz| dated(&made, hz));
+        let made = camera.as_ref().map_or(made, |told| told.log.clone());
+        let cycle = self.command_cycle_s.map(|about_s| taken_up(&made, about_s));
+        let made = cycle.as_ref().map_or(made, |told| told.log.clone());
+        let period_s = |told: &Option<Told>| told.as_ref().and_then(|told| told.period_s);
+        let (picture_period_s, command_cycle_s) = (period_s(&camera), period_s(&cycle));
+        let said = [camera, cycle].into_iter().flatten().map(|told| told.said).collect();
+        let made = self.every_s.map_or_else(|| made.clone(), |every_s| thinned(&made, every_s));
+        (made, Clocks { said, picture_period_s, command_cycle_s })
     }
 
     /// What means nothing, by its key.
@@ -39,6 +60,7 @@ impl Readied {
             ("average_s", self.average_s, 0.01..=10.0, "s"),
             ("earlier_s", self.earlier_s, 0.001..=1.0, "s"),
             ("camera_hz", self.camera_hz, 0.5..=200.0, "Hz"),
+            ("command_cycle_s", self.command_cycle_s, 0.02..=2.0, "s"),
             ("every_s", self.every_s, 0.001..=10.0, "s"),
         ];
         let out_of_range = keys.into_iter().filter_map(|(key, value, range, unit)| {
@@ -161,21 +183,32 @@ mod tests {
     #[test]
     fn a_log_is_readied_step_by_step() {
         let given = log((0..50).map(|i| 0.01 * f64::from(i * i % 7)));
-        assert_eq!(Readied::default().of(&given), (given.clone(), Taken::default()));
-        let all = Readied { average_s: Some(0.5), earlier_s: Some(0.1), every_s: Some(0.3), camera_hz: None };
+        assert_eq!(Readied::default().of(&given), (given.clone(), Clocks::default()));
+        let all =
+            Readied { average_s: Some(0.5), earlier_s: Some(0.1), every_s: Some(0.3), ..Readied::default() };
         assert_eq!(all.of(&given).0, thinned(&earlier(&averaged(&given, 0.5), 0.1), 0.3));
-        let (left, taken) = Readied { camera_hz: Some(10.0), ..Readied::default() }.of(&given);
-        assert!(left == given && taken.said.is_some_and(|said| said.contains("too few landmarks are seen in turns")));
+        let clocks = Readied { camera_hz: Some(10.0), command_cycle_s: Some(0.2), ..Readied::default() };
+        let (left, Clocks { said, picture_period_s: None, command_cycle_s: None }) = clocks.of(&given) else {
+            panic!("a log without sightings tells no clock")
+        };
+        let few = |said: &String| said.contains("too few landmarks are seen in turns");
+        assert!(left == given && said.len() == 2 && said.iter().all(few), "{said:?}");
         assert_eq!(all.faults(), []);
-        let wrong =
-            Readied { average_s: Some(f64::NAN), earlier_s: Some(2.0), camera_hz: Some(0.0), every_s: Some(0.0) };
+        let wrong = Readied {
+            average_s: Some(f64::NAN),
+            earlier_s: Some(2.0),
+            camera_hz: Some(0.0),
+            command_cycle_s: Some(9.0),
+            every_s: Some(0.0),
+        };
         let faults = wrong.faults();
         assert_eq!(
             faults.iter().map(|it| it.0).collect::<Vec<_>>(),
-            ["average_s", "earlier_s", "camera_hz", "every_s"]
+            ["average_s", "earlier_s", "camera_hz", "command_cycle_s", "every_s"]
         );
         assert_eq!(faults[1].1, "earlier_s must lie in 0.001..=1 s, not 2");
         assert_eq!(faults[2].1, "camera_hz must lie in 0.5..=200 Hz, not 0");
+        assert_eq!(faults[3].1, "command_cycle_s must lie in 0.02..=2 s, not 9");
     }
 
     /// At every time what was read a reading later is in force.

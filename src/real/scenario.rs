@@ -67,6 +67,9 @@ pub struct Source {
     /// How many pictures a second the camera takes, by a clock of its own: see [`super::clock`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera_hz: Option<f64>,
+    /// About how long a cycle is in which commands are taken up once: see [`super::cycle`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub command_cycle_s: Option<f64>,
     /// Of frames that follow at once, one in so long is taken: see [`super::odometry`].
     pub every_s: Option<f64>,
     /// The scenario by which this recording is learned from: a shipped one's name.
@@ -77,8 +80,8 @@ impl Source {
     /// What is made of its logs.
     #[must_use]
     pub fn readied(&self) -> Readied {
-        let Self { average_s, earlier_s, camera_hz, every_s, .. } = *self;
-        Readied { average_s, earlier_s, camera_hz, every_s }
+        let Self { average_s, earlier_s, camera_hz, command_cycle_s, every_s, .. } = *self;
+        Readied { average_s, earlier_s, camera_hz, command_cycle_s, every_s }
     }
 }
 

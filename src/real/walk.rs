@@ -16,8 +16,8 @@ use serde::{Deserialize, Serialize};
 use super::among::kin;
 use super::capture::steering::of_car;
 use super::capture::{Capture, capture};
-use super::clock::Taken;
 use super::learning::{Lesson, lessons};
+use super::odometry::Clocks;
 use super::scanner::{self, Checked};
 use super::scenario::{Real, Source};
 use super::tables::said;
@@ -125,7 +125,7 @@ struct Prepared<'a> {
     source: &'a Source,
     robot: Option<u16>,
     dataset: Dataset,
-    taken: Taken,
+    clocks: Clocks,
     ready: &'a Ready,
 }
 
@@ -141,13 +141,13 @@ pub fn run(
     options: &Options,
     (watcher, listener): (&dyn Watcher, &dyn Listener),
 ) -> Result<Results, miette::Report> {
-    let mut datasets: Vec<(&Source, Option<u16>, Dataset, Taken)> = Vec::new();
+    let mut datasets: Vec<(&Source, Option<u16>, Dataset, Clocks)> = Vec::new();
     for source in &real.asked.logs {
         for robot in robots(source) {
-            let (dataset, taken) = imported(source, robot, &place(source, data))?;
+            let (dataset, clocks) = imported(source, robot, &place(source, data))?;
             let whose = robot.map_or_else(|| source.name.clone(), |robot| format!("{} {robot}", source.name));
-            taken.said.iter().for_each(|said| listener.says(&format!("{whose}: {said}")));
-            datasets.push((source, robot, dataset, taken));
+            clocks.said.iter().for_each(|said| listener.says(&format!("{whose}: {said}")));
+            datasets.push((source, robot, dataset, clocks));
         }
     }
     let mut worlds: BTreeMap<&str, Ready> = BTreeMap::new();
@@ -165,9 +165,9 @@ pub fn run(
     }
     let prepared: Vec<Prepared<'_>> = datasets
         .into_iter()
-        .map(|(source, robot, dataset, taken)| {
+        .map(|(source, robot, dataset, clocks)| {
             let ready = &worlds[source.nominal.as_str()];
-            Prepared { source, robot, dataset, taken, ready }
+            Prepared { source, robot, dataset, clocks, ready }
         })
         .collect();
     let logs: Vec<String> = prepared.iter().map(|it| format!("{:?}", it.dataset.log)).collect();
@@ -198,7 +198,7 @@ fn robots(source: &Source) -> Vec<Option<u16>> {
     source.robots.as_ref().map_or(vec![None], |robots| robots.iter().copied().map(Some).collect())
 }
 
-fn imported(source: &Source, robot: Option<u16>, path: &Path) -> Result<(Dataset, Taken), miette::Report> {
+fn imported(source: &Source, robot: Option<u16>, path: &Path) -> Result<(Dataset, Clocks), miette::Report> {
     let importers = import::catalogue();
     let importer = importers.iter().find(|it| it.name == source.format);
     // The scenario's check has said so already.
@@ -206,8 +206,8 @@ fn imported(source: &Source, robot: Option<u16>, path: &Path) -> Result<(Dataset
     match importer.import(path, robot) {
         Ok(imported) => {
             let Dataset { log, truth, provenance } = imported.dataset;
-            let (log, taken) = source.readied().of(&log);
-            Ok((Dataset { log, truth, provenance }, taken))
+            let (log, clocks) = source.readied().of(&log);
+            Ok((Dataset { log, truth, provenance }, clocks))
         }
         Err(error) if path.exists() => Err(miette::miette!("{error}")),
         Err(error) => Err(miette::miette!(help = "if it lies elsewhere: --only NAME --data DIR", "{error}")),
@@ -288,13 +288,13 @@ impl Prepared<'_> {
             .flat_map(|it| it.effects.iter().map(String::as_str))
             .collect();
         captured.suit(&named);
-        let picture_period_s = self.taken.picture_period_s;
+        let Clocks { picture_period_s, command_cycle_s, .. } = self.clocks;
         Record {
             log: self.source.name.clone(),
             robot: self.robot,
             part,
             among: false,
-            diagnosis: found.map(|Found { diagnosis, .. }| Diagnosis { picture_period_s, ..diagnosis }),
+            diagnosis: found.map(|Found { diagnosis, .. }| Diagnosis { picture_period_s, command_cycle_s, ..diagnosis }),
             capture: captured.values,
             shares: captured.shares.into_iter().map(|(name, share)| (name.to_owned(), share)).collect(),
             checked,

@@ -140,6 +140,7 @@ impl Diagnosis {
             smallest_visible: std::collections::BTreeMap::new(),
             astray_s: None,
             picture_period_s: None,
+            command_cycle_s: None,
             noise: None,
             calibrated_on: None,
             how_far: HowFar { comment: "not asked".to_owned(), ..HowFar::default() },

@@ -90,6 +90,7 @@ impl Diagnoser<'_> {
             smallest_visible: smallest_visible(judge, self.variants),
             astray_s: None,
             picture_period_s: None,
+            command_cycle_s: None,
             noise: None,
             calibrated_on: None,
             how_far: if verdict == Verdict::None { HowFar::default() } else { how_far(judge, added) },

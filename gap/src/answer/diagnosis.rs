@@ -47,6 +47,9 @@ pub struct Diagnosis {
     /// Of a real robot whose camera takes pictures by a clock of its own, by which what it saw was dated anew: from each to the next.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub picture_period_s: Option<f64>,
+    /// Of a real robot whose commands are taken up once in a cycle, by which they are given as they were: how long that is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command_cycle_s: Option<f64>,
     /// How noisy a real robot and its sensor are, of each part of the log out of the others; `None` of other logs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,

@@ -135,6 +135,7 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagno
         smallest_visible: smallest_visible(judge, variants),
         astray_s: None,
         picture_period_s: None,
+        command_cycle_s: None,
         noise: None,
         calibrated_on: None,
         how_far: far,

@@ -6,6 +6,7 @@ pub mod brake_fade;
 pub mod camera_pitch;
 pub mod car_payload;
 pub mod clock_offset;
+pub mod command_cycle;
 pub mod command_delay;
 pub mod command_scale;
 pub mod depth_for_range;
@@ -117,6 +118,7 @@ impl std::fmt::Debug for Effects {
 }
 
 effects! {
+    command_cycle => CommandCycle,
     command_delay => CommandDelay,
     command_scale => CommandScale,
     servo_speed_limit => ServoSpeedLimit,

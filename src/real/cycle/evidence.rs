@@ -1,0 +1,161 @@
+//! How likely bearings are where commands are taken up in cycles, and where they are not.
+
+use asami_dataset::{Action, Command, Log};
+use asami_math::elementary::ln;
+use asami_math::wandering::{Phases, phases};
+use rayon::prelude::*;
+
+use super::Cycle;
+use crate::real::clock::usual;
+use crate::real::commanded::Commanded;
+use crate::real::pairs::Pair;
+
+/// A cycle is looked at in so many parts.
+pub const PHASES: usize = 36;
+/// Fewer pairs of sightings in turns show nothing.
+const LEAST: usize = 50;
+/// A robot that turns by less between two sightings, or might, shows nothing of when it did.
+const TURNS_RAD: f64 = 0.01;
+/// Delays and lags are tried so far apart, up to the greatest.
+const LATE_APART_S: f64 = 0.05;
+const MOST_LATE: u8 = 8;
+
+/// What a log shows.
+pub struct Evidence<'a> {
+    commands: &'a [Command],
+    from_s: f64,
+    pairs: Vec<Pair>,
+    /// How far most of what is read of bearings is off.
+    scale_rad: f64,
+}
+
+/// Turns by commands that are taken up at looks of one phase.
+struct Held {
+    looks_s: f64,
+    period_s: f64,
+    /// Turning rates from each look on, and how far the robot has turned by then.
+    looks: Vec<[f64; 2]>,
+}
+
+/// A look of a phase, before a log begins.
+pub fn looks_s(began_s: f64, period_s: f64, phase: usize) -> f64 {
+    began_s + ((phase as f64 + 0.5) / PHASES as f64 - 1.0) * period_s
+}
+
+/// Forward speed and turning rate of a command to wheels; others command none.
+pub fn velocity(action: &Action) -> [f64; 2] {
+    match *action {
+        Action::Wheels { v_m_per_s, omega_rad_per_s, .. } => [v_m_per_s, omega_rad_per_s],
+        Action::Legs { .. } | Action::Pedals { .. } => [0.0; 2],
+    }
+}
+
+impl Held {
+    fn new(commands: &[Command], [from_s, to_s]: [f64; 2], period_s: f64, phase: usize) -> Self {
+        let looks_s = looks_s(from_s, period_s, phase);
+        let (mut next, mut omega, mut turned) = (0, 0.0, 0.0);
+        let look = |n: usize| {
+            turned += omega * period_s;
+            let look_s = looks_s + n as f64 * period_s;
+            while let Some(command) = commands.get(next).filter(|it| it.t_s <= look_s) {
+                omega = velocity(&command.action)[1];
+                next += 1;
+            }
+            [omega, turned]
+        };
+        let looks = (0..=((to_s - looks_s) / period_s) as usize).map(look).collect();
+        Self { looks_s, period_s, looks }
+    }
+
+    /// How far the robot has turned by a time.
+    fn turned_rad(&self, t_s: f64) -> f64 {
+        let cycles = ((t_s - self.looks_s) / self.period_s).max(0.0);
+        let look = (cycles as usize).min(self.looks.len() - 1);
+        let [omega, turned] = self.looks[look];
+        turned + omega * (cycles - look as f64) * self.period_s
+    }
+}
+
+impl<'a> Evidence<'a> {
+    /// Of a log; `None` where too little is seen while the robot turns.
+    pub fn of(log: &'a Log) -> Option<Self> {
+        let commands: &[Command] = &log.commands;
+        let (from_s, to_s) = (commands.first()?.t_s, commands.last()?.t_s);
+        let within = |pair: &Pair| pair.at_s().iter().all(|t_s| (from_s..to_s).contains(t_s));
+        let pairs: Vec<Pair> = Pair::all(log).into_iter().filter(within).collect();
+        let turning = Commanded::new(commands, 0.0, 0.0);
+        let most_s = f64::from(MOST_LATE) * LATE_APART_S;
+        // Where the robot may turn at all, turns of either side are none.
+        let might_turn = |pair: &Pair| {
+            let [a_s, b_s] = pair.at_s();
+            let turned_rad = |late_s: f64| turning.over(a_s - late_s, b_s - a_s)[1].abs();
+            [0.0, 0.25, 0.5, 0.75, 1.0].iter().any(|share| turned_rad(share * most_s) >= TURNS_RAD)
+        };
+        let (turn, straight): (Vec<Pair>, Vec<Pair>) = pairs.into_iter().partition(might_turn);
+        let aside = |pair: &Pair| pair.aside_rad(pair.at_s().map(|t_s| turning.over(t_s - 0.1, 0.1)[0] / 0.1));
+        let scale_rad = usual(straight.iter().map(|pair| pair.turned_rad() - aside(pair)));
+        (turn.len() >= LEAST && straight.len() >= LEAST).then_some(Self { commands, from_s, pairs: turn, scale_rad })
+    }
+
+    fn ends_s(&self) -> [f64; 2] {
+        [self.from_s, self.commands.last().map_or(self.from_s, |it| it.t_s)]
+    }
+
+    /// By how much a bearing turned, and where the robot goes straight on would have, at speeds of so long before.
+    fn turned_rad(&self, pair: &Pair, late_s: f64) -> f64 {
+        let speed = |t_s: f64| {
+            let given = self.commands.partition_point(|it| it.t_s <= t_s - late_s);
+            velocity(&self.commands[given.max(1) - 1].action)[0]
+        };
+        pair.turned_rad() - pair.aside_rad(pair.at_s().map(speed))
+    }
+
+    /// By Cauchy's law, whose tails are as long as those of what a camera takes for a mark.
+    fn likely(&self, off_rad: f64) -> f64 {
+        let off = off_rad / self.scale_rad;
+        -ln(1.0 + off * off)
+    }
+
+    /// How likely bearings are by the likeliest delay, lag and share of turns.
+    pub fn by_delay_and_lag(&self) -> f64 {
+        let ways = (0..=MOST_LATE).flat_map(|lag| (0..=MOST_LATE).map(move |delay| [lag, delay]));
+        let of = |way: [u8; 2]| {
+            let [lag_s, delay_s] = way.map(|it| f64::from(it) * LATE_APART_S);
+            let turning = Commanded::new(self.commands, lag_s, delay_s);
+            let told = |pair: &Pair| {
+                let [a_s, b_s] = pair.at_s();
+                [self.turned_rad(pair, lag_s + delay_s), turning.over(a_s - delay_s, b_s - a_s)[1]]
+            };
+            let told: Vec<[f64; 2]> = self.pairs.iter().map(told).collect();
+            let likely = |turns: f64| told.iter().map(|[seen, told]| self.likely(seen + turns * told)).sum::<f64>();
+            super::spaced(super::TURNS[0], super::TURNS[1], super::TURNS_APART).map(likely).fold(f64::NEG_INFINITY, f64::max)
+        };
+        ways.collect::<Vec<_>>().into_par_iter().map(of).reduce(|| f64::NEG_INFINITY, f64::max)
+    }
+
+    /// How likely they are by a cycle, and what they say of its phase.
+    pub fn by_cycle(&self, cycle: &Cycle) -> Phases<PHASES> {
+        let Cycle { period_s, late_s, turns, wanders } = *cycle;
+        let ends_s = self.ends_s();
+        let held: Vec<Held> = (0..PHASES).map(|phase| Held::new(self.commands, ends_s, period_s, phase)).collect();
+        let cycles = ((ends_s[1] - ends_s[0]) / period_s) as usize + 1;
+        let mut evidence = vec![[0.0; PHASES]; cycles];
+        for pair in &self.pairs {
+            let seen = self.turned_rad(pair, late_s + 0.5 * period_s);
+            let [a_s, b_s] = pair.at_s().map(|t_s| t_s - late_s);
+            let at = (((b_s - self.from_s) / period_s).max(0.0) as usize).min(cycles - 1);
+            for (evidence, held) in evidence[at].iter_mut().zip(&held) {
+                *evidence += self.likely(seen + turns * (held.turned_rad(b_s) - held.turned_rad(a_s)));
+            }
+        }
+        phases(&evidence, wanders)
+    }
+
+    /// The likeliest of several cycles, and how likely it makes bearings.
+    pub fn likeliest(&self, cycles: Vec<Cycle>) -> (f64, Cycle) {
+        let of = |cycle: Cycle| (self.by_cycle(&cycle).log_likelihood, cycle);
+        let all: Vec<(f64, Cycle)> = cycles.into_par_iter().map(of).collect();
+        let none = (f64::NEG_INFINITY, Cycle::default());
+        all.into_iter().fold(none, |best, it| if it.0 > best.0 { it } else { best })
+    }
+}
