@@ -72,7 +72,10 @@ pub fn text(diagnosis: &Diagnosis) -> String {
         say("camera", &format!("{hz:.4} pictures a second by a clock of its own: what it saw is dated by when it did"));
     }
     if let Some(cycle_s) = diagnosis.command_cycle_s {
-        say("commands", &format!("taken up once in {cycle_s:.4} s: they are given as they were, as far as the log tells"));
+        say(
+            "commands",
+            &format!("taken up once in {cycle_s:.4} s: they are given as they were, as far as the log tells"),
+        );
     }
     if let Some(astray_s) = diagnosis.astray_s.filter(|it| *it > 0.0) {
         say(

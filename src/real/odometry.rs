@@ -184,8 +184,7 @@ mod tests {
     fn a_log_is_readied_step_by_step() {
         let given = log((0..50).map(|i| 0.01 * f64::from(i * i % 7)));
         assert_eq!(Readied::default().of(&given), (given.clone(), Clocks::default()));
-        let all =
-            Readied { average_s: Some(0.5), earlier_s: Some(0.1), every_s: Some(0.3), ..Readied::default() };
+        let all = Readied { average_s: Some(0.5), earlier_s: Some(0.1), every_s: Some(0.3), ..Readied::default() };
         assert_eq!(all.of(&given).0, thinned(&earlier(&averaged(&given, 0.5), 0.1), 0.3));
         let clocks = Readied { camera_hz: Some(10.0), command_cycle_s: Some(0.2), ..Readied::default() };
         let (left, Clocks { said, picture_period_s: None, command_cycle_s: None }) = clocks.of(&given) else {

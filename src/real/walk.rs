@@ -294,7 +294,11 @@ impl Prepared<'_> {
             robot: self.robot,
             part,
             among: false,
-            diagnosis: found.map(|Found { diagnosis, .. }| Diagnosis { picture_period_s, command_cycle_s, ..diagnosis }),
+            diagnosis: found.map(|Found { diagnosis, .. }| Diagnosis {
+                picture_period_s,
+                command_cycle_s,
+                ..diagnosis
+            }),
             capture: captured.values,
             shares: captured.shares.into_iter().map(|(name, share)| (name.to_owned(), share)).collect(),
             checked,

@@ -5,7 +5,9 @@ use std::io::Write;
 
 use asami::import::mrclam::read;
 use asami::real::clock::heard;
-use asami_dataset::{Action, Dataset, Size, store};
+use asami::real::odometry::{Clocks, Readied};
+use asami_dataset::{Action, Command, Dataset, Size, TruePose, store};
+use asami_math::angle::wrap_rad;
 
 use crate::{Source, import, real, refused, refused_when_broken, said, unspaced, write};
 
@@ -100,6 +102,60 @@ fn the_real_cameras_take_ten_pictures_a_second() {
     assert!([1, 2, 4].iter().all(|i| rates_hz[*i].is_some()), "{rates_hz:?}");
     // Rates are looked at by an eighth of a period over the log, 0.0001 Hz.
     assert!(rates_hz.iter().flatten().all(|hz| (hz - 9.9958).abs() < 5e-4), "{rates_hz:?}");
+}
+
+/// For how long the robot turned, by motion capture, each time that it was told to turn fast for a second at most, and not for a second
+/// before and after, in seconds.
+fn turns_s(Dataset { log, truth, .. }: &Dataset) -> Vec<f64> {
+    let rate = |it: &Command| match it.action {
+        Action::Wheels { omega_rad_per_s, .. } if omega_rad_per_s.abs() > 0.02 => omega_rad_per_s,
+        _ => 0.0,
+    };
+    // From the first command of each turn to the one after its last.
+    let mut told: Vec<(f64, f64, f64)> = Vec::new();
+    for pair in log.commands.windows(2).filter(|pair| rate(&pair[0]) != 0.0) {
+        match told.last_mut().filter(|(_, until_s, _)| pair[0].t_s - *until_s < 0.3) {
+            Some((_, until_s, least)) => (*until_s, *least) = (pair[1].t_s, least.min(rate(&pair[0]).abs())),
+            None => told.push((pair[0].t_s, pair[1].t_s, rate(&pair[0]).abs())),
+        }
+    }
+    let heading = |from_s: f64| {
+        let of = |it: &&TruePose| (from_s..from_s + 0.2).contains(&it.t_s);
+        let all: Vec<f64> = truth.track.iter().filter(of).map(|it| it.theta_rad).collect();
+        let first = *all.first()?;
+        Some(first + all.iter().map(|it| wrap_rad(it - first)).sum::<f64>() / all.len() as f64)
+    };
+    let alone = told.windows(3).filter(|it| {
+        let [before, (from_s, until_s, least), after] = it else { return false };
+        until_s - from_s < 1.0 && *least > 0.39 && from_s - before.1 > 1.0 && after.0 - until_s > 1.0
+    });
+    let length_s = |it: &[(f64, f64, f64)]| {
+        let (from_s, until_s, _) = it[1];
+        Some(wrap_rad(heading(until_s + 0.7)? - heading(from_s - 0.2)?).abs() / 0.403)
+    };
+    alone.filter_map(length_s).collect()
+}
+
+/// Robots of one software have one cycle, which four of the logs tell by bearings and commands; and by motion capture robots turn for whole
+/// multiples of it, for whatever time they are told to.
+#[test]
+fn the_real_robots_take_commands_up_once_in_a_cycle() {
+    let Some(source) = real("mrclam6") else { return };
+    let (mut cycles_s, mut lengths_s) = (Vec::new(), Vec::new());
+    for robot in 1..=5 {
+        let dataset = read(&source, robot).unwrap().dataset;
+        let readied = Readied { camera_hz: Some(10.0), command_cycle_s: Some(0.2), ..Readied::default() };
+        let (taken, Clocks { command_cycle_s, .. }) = readied.of(&dataset.log);
+        assert_eq!(command_cycle_s.is_none(), taken.commands == dataset.log.commands, "{robot}");
+        cycles_s.push(command_cycle_s);
+        lengths_s.extend(turns_s(&dataset));
+    }
+    assert!(cycles_s[1..].iter().all(Option::is_some), "{cycles_s:?}");
+    assert!(cycles_s.iter().flatten().all(|it| (it / 0.2162 - 1.0).abs() < 0.01), "{cycles_s:?}");
+    let whole = |it: &&f64| (*it / 0.2162 - (*it / 0.2162).round().max(1.0)).abs() < 0.16;
+    let share = lengths_s.iter().filter(whole).count() as f64 / lengths_s.len() as f64;
+    // Of lengths of any kind it would be a third.
+    assert!(lengths_s.len() > 60 && share > 0.75, "{share} of {lengths_s:.2?}");
 }
 
 #[test]

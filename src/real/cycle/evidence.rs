@@ -25,8 +25,8 @@ pub struct Evidence<'a> {
     commands: &'a [Command],
     from_s: f64,
     pairs: Vec<Pair>,
-    /// How far most of what is read of bearings is off.
-    scale_rad: f64,
+    /// How far most of what is read of bearings is off while the robot goes straight on.
+    pub straight_rad: f64,
 }
 
 /// Turns by commands that are taken up at looks of one phase.
@@ -93,8 +93,8 @@ impl<'a> Evidence<'a> {
         };
         let (turn, straight): (Vec<Pair>, Vec<Pair>) = pairs.into_iter().partition(might_turn);
         let aside = |pair: &Pair| pair.aside_rad(pair.at_s().map(|t_s| turning.over(t_s - 0.1, 0.1)[0] / 0.1));
-        let scale_rad = usual(straight.iter().map(|pair| pair.turned_rad() - aside(pair)));
-        (turn.len() >= LEAST && straight.len() >= LEAST).then_some(Self { commands, from_s, pairs: turn, scale_rad })
+        let straight_rad = usual(straight.iter().map(|pair| pair.turned_rad() - aside(pair)));
+        (turn.len() >= LEAST && straight.len() >= LEAST).then_some(Self { commands, from_s, pairs: turn, straight_rad })
     }
 
     fn ends_s(&self) -> [f64; 2] {
@@ -110,13 +110,7 @@ impl<'a> Evidence<'a> {
         pair.turned_rad() - pair.aside_rad(pair.at_s().map(speed))
     }
 
-    /// By Cauchy's law, whose tails are as long as those of what a camera takes for a mark.
-    fn likely(&self, off_rad: f64) -> f64 {
-        let off = off_rad / self.scale_rad;
-        -ln(1.0 + off * off)
-    }
-
-    /// How likely bearings are by the likeliest delay, lag and share of turns.
+    /// How likely bearings are by the likeliest delay, lag, share of turns and scatter.
     pub fn by_delay_and_lag(&self) -> f64 {
         let ways = (0..=MOST_LATE).flat_map(|lag| (0..=MOST_LATE).map(move |delay| [lag, delay]));
         let of = |way: [u8; 2]| {
@@ -127,15 +121,19 @@ impl<'a> Evidence<'a> {
                 [self.turned_rad(pair, lag_s + delay_s), turning.over(a_s - delay_s, b_s - a_s)[1]]
             };
             let told: Vec<[f64; 2]> = self.pairs.iter().map(told).collect();
-            let likely = |turns: f64| told.iter().map(|[seen, told]| self.likely(seen + turns * told)).sum::<f64>();
-            super::spaced(super::TURNS[0], super::TURNS[1], super::TURNS_APART).map(likely).fold(f64::NEG_INFINITY, f64::max)
+            let by = |turns: f64, off_rad: f64| {
+                told.iter().map(|[seen, told]| likely(seen + turns * told, off_rad)).sum::<f64>()
+            };
+            let turns = super::spaced(super::TURNS[0], super::TURNS[1], super::TURNS_APART);
+            let all = turns.flat_map(|turns| super::OFFS.map(|off| by(turns, off * self.straight_rad)));
+            all.fold(f64::NEG_INFINITY, f64::max)
         };
         ways.collect::<Vec<_>>().into_par_iter().map(of).reduce(|| f64::NEG_INFINITY, f64::max)
     }
 
     /// How likely they are by a cycle, and what they say of its phase.
     pub fn by_cycle(&self, cycle: &Cycle) -> Phases<PHASES> {
-        let Cycle { period_s, late_s, turns, wanders } = *cycle;
+        let Cycle { period_s, late_s, turns, wanders, off_rad } = *cycle;
         let ends_s = self.ends_s();
         let held: Vec<Held> = (0..PHASES).map(|phase| Held::new(self.commands, ends_s, period_s, phase)).collect();
         let cycles = ((ends_s[1] - ends_s[0]) / period_s) as usize + 1;
@@ -145,7 +143,7 @@ impl<'a> Evidence<'a> {
             let [a_s, b_s] = pair.at_s().map(|t_s| t_s - late_s);
             let at = (((b_s - self.from_s) / period_s).max(0.0) as usize).min(cycles - 1);
             for (evidence, held) in evidence[at].iter_mut().zip(&held) {
-                *evidence += self.likely(seen + turns * (held.turned_rad(b_s) - held.turned_rad(a_s)));
+                *evidence += likely(seen + turns * (held.turned_rad(b_s) - held.turned_rad(a_s)), off_rad);
             }
         }
         phases(&evidence, wanders)
@@ -158,4 +156,10 @@ impl<'a> Evidence<'a> {
         let none = (f64::NEG_INFINITY, Cycle::default());
         all.into_iter().fold(none, |best, it| if it.0 > best.0 { it } else { best })
     }
+}
+
+/// By Cauchy's law, whose tails are as long as those of what a camera takes for a mark; most are off by about so much.
+fn likely(by_rad: f64, off_rad: f64) -> f64 {
+    let by = by_rad / off_rad;
+    -ln(1.0 + by * by) - ln(off_rad)
 }

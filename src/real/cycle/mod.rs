@@ -18,8 +18,11 @@ const LATE_APART_S: f64 = 0.02;
 /// Least and greatest share of a turn that is made of what is told, and how far apart shares are tried.
 const TURNS: [f64; 2] = [0.86, 1.1];
 const TURNS_APART: f64 = 0.02;
-/// By which shares of a cycle its phase may wander from one to the next, as a standard deviation.
-const WANDERS: [f64; 5] = [0.0125, 0.025, 0.05, 0.1, 0.2];
+/// By which shares of a cycle its phase may wander from one to the next, as a standard deviation: where it may by more, cycles of any
+/// length are as likely.
+const WANDERS: [f64; 3] = [0.0125, 0.025, 0.05];
+/// How many times as far off as straight on bearings may be in turns.
+const OFFS: [f64; 6] = [0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
 /// A cycle is as long as it is said to be within this share, and lengths are tried by these, coarsely and then finely.
 const OFF: f64 = 0.1;
 const APART: f64 = 0.01;
@@ -47,6 +50,8 @@ pub struct Cycle {
     pub turns: f64,
     /// By what share of the period a cycle is longer or shorter, as a standard deviation.
     pub wanders: f64,
+    /// How far most of what is read of bearings is off.
+    pub off_rad: f64,
 }
 
 /// A cycle, and how it was found.
@@ -86,7 +91,12 @@ pub fn taken_up(log: &Log, about_s: f64) -> Told {
         heard => {
             let why = heard.map_or_else(
                 || "too few landmarks are seen in turns".to_owned(),
-                |it| format!("{:.0} nats over any delay and lag, cycles of another length {:.0}", it.nats, it.by_chance_nats),
+                |it| {
+                    format!(
+                        "{:.0} nats over any delay and lag, cycles of another length {:.0}",
+                        it.nats, it.by_chance_nats
+                    )
+                },
             );
             let said = format!(
                 "when commands were taken up in cycles of about {about_s} s the log does not tell ({why}): they stay as they were given"
@@ -102,10 +112,13 @@ pub fn taken_up(log: &Log, about_s: f64) -> Told {
 pub fn heard(log: &Log, about_s: f64) -> Option<Heard> {
     let evidence = Evidence::of(log)?;
     let none = evidence.by_delay_and_lag();
-    let mut cycle = Cycle { period_s: about_s, late_s: 0.1, turns: 1.0, wanders: WANDERS[2] };
+    let mut cycle =
+        Cycle { period_s: about_s, late_s: 0.1, turns: 1.0, wanders: WANDERS[1], off_rad: evidence.straight_rad };
     for (off, apart) in [(OFF, APART), (APART, FINELY_APART)] {
         let late = spaced(0.0, MOST_LATE_S, LATE_APART_S).map(|late_s| Cycle { late_s, ..cycle });
         cycle = evidence.likeliest(late.collect()).1;
+        let offs = OFFS.map(|off| Cycle { off_rad: off * evidence.straight_rad, ..cycle });
+        cycle = evidence.likeliest(offs.into()).1;
         cycle = evidence.likeliest(WANDERS.map(|wanders| Cycle { wanders, ..cycle }).into()).1;
         let turns = spaced(TURNS[0], TURNS[1], TURNS_APART).map(|turns| Cycle { turns, ..cycle });
         cycle = evidence.likeliest(turns.collect()).1;

@@ -18,7 +18,9 @@ fn log(cycles: bool, seed: u64) -> (Log, Vec<f64>) {
     let mut rng = Seed(seed).stream("cycle");
     let (mut commands, mut t_s) = (Vec::new(), 0.0);
     while t_s < LENGTH_S {
-        for (omega_rad_per_s, least_s, most_s) in [(0.0, 0.3, 1.5), (if rng.random::<bool>() { 0.4 } else { -0.4 }, 0.05, 0.6)] {
+        for (omega_rad_per_s, least_s, most_s) in
+            [(0.0, 0.3, 1.5), (if rng.random::<bool>() { 0.4 } else { -0.4 }, 0.05, 0.6)]
+        {
             commands.push(Command { t_s, action: Action::Wheels { id: None, v_m_per_s: 0.0, omega_rad_per_s } });
             t_s += least_s + (most_s - least_s) * rng.random::<f64>();
         }
@@ -97,9 +99,15 @@ fn what_is_no_cycle_is_not_taken_for_one() {
 /// Whatever is probable is in force for its share of the time; nothing is given twice, and times increase.
 #[test]
 fn what_is_probable_is_in_force_for_its_share() {
-    let wheels = |t_s: f64, omega_rad_per_s: f64| Command { t_s, action: Action::Wheels { id: None, v_m_per_s: 0.1, omega_rad_per_s } };
-    let log = Log { commands: vec![wheels(0.0, 0.0), wheels(1.0, 0.4), wheels(1.5, 0.0), wheels(4.0, 0.0)].into(), ..Log::default() };
-    let cycle = Cycle { period_s: 0.5, late_s: 0.0, turns: 1.0, wanders: 0.05 };
+    let wheels = |t_s: f64, omega_rad_per_s: f64| Command {
+        t_s,
+        action: Action::Wheels { id: None, v_m_per_s: 0.1, omega_rad_per_s },
+    };
+    let log = Log {
+        commands: vec![wheels(0.0, 0.0), wheels(1.0, 0.4), wheels(1.5, 0.0), wheels(4.0, 0.0)].into(),
+        ..Log::default()
+    };
+    let cycle = Cycle { period_s: 0.5, late_s: 0.0, turns: 1.0, wanders: 0.05, off_rad: 0.01 };
     let heard = Heard { cycle, nats: 0.0, by_chance_nats: 0.0, phases: vec![[1.0 / PHASES as f64; PHASES]; 9] };
     let taken = heard.taken_up(&log);
     let rising = taken.commands.windows(2).all(|it| it[1].t_s > it[0].t_s && it[1].action != it[0].action);

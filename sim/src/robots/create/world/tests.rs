@@ -14,6 +14,16 @@ impl Drive for Always {
     }
 }
 
+/// A tenth of a second of turning from each whole second on.
+struct NowAndThen;
+
+impl Drive for NowAndThen {
+    fn act(&mut self, t_s: f64, _seen: &Seen) -> Action {
+        let omega_rad_per_s = if (t_s + 1e-6).fract() < 0.1 { 0.4 } else { 0.0 };
+        Action::Wheels { id: None, v_m_per_s: 0.0, omega_rad_per_s }
+    }
+}
+
 /// Without chance.
 fn exact() -> CreateConfig {
     let mut config = CreateConfig::default();
@@ -25,12 +35,16 @@ fn exact() -> CreateConfig {
 }
 
 fn drive(config: &CreateConfig, effects: &Effects, [v_m_per_s, omega_rad_per_s]: [f64; 2], until_s: f64) -> Dataset {
+    drive_by(config, effects, &mut Always(Action::Wheels { id: None, v_m_per_s, omega_rad_per_s }), until_s)
+}
+
+fn drive_by(config: &CreateConfig, effects: &Effects, by: &mut impl Drive, until_s: f64) -> Dataset {
     let bands = [Colour::Pink, Colour::Yellow];
     let body = Cylinder { x_m: 0.0, y_m: 5.0, radius_m: 0.05, base_m: 0.0, height_m: 0.2, bands };
     let field = Field { beacons: vec![Landmark { id: 6, body }], clutter: Vec::new() };
     let start = TruePose { t_s: 0.0, x_m: 0.0, y_m: 0.0, theta_rad: 0.0, v_m_per_s: None };
     let mut world = CreateWorld::new(config, &field, effects, start, Seed(1000)).unwrap();
-    run(&mut world, &mut Always(Action::Wheels { id: None, v_m_per_s, omega_rad_per_s }), until_s)
+    run(&mut world, by, until_s)
 }
 
 fn effects(of: &[(&str, &str, f64)]) -> Effects {
@@ -202,6 +216,25 @@ fn pictures_are_as_old_as_frames_and_they_fall_apart() {
     }
     assert!(seen.iter().all(|it| *it >= 7), "{seen:?}");
     assert!(bearings(0.08, 0.0).iter().zip(bearings(0.0, 0.0)).all(|(stale, fresh)| (stale - fresh).abs() < 1e-9));
+}
+
+/// By software that looks for commands every 0.22 s a robot that is told to turn for a tenth of a second turns for 0.22 s where a look
+/// falls into that, and else not at all; by software that always looks, for a tenth.
+#[test]
+fn a_turn_lasts_a_whole_cycle_or_none_of_it() {
+    let turned_rad = |effects: &Effects| -> Vec<f64> {
+        let track = drive_by(&exact(), effects, &mut NowAndThen, 10.0).truth.track;
+        let heading_rad = |t_s: f64| track[track.partition_point(|it| it.t_s < t_s)].theta_rad;
+        (1..9).map(f64::from).map(|t_s| wrap_rad(heading_rad(t_s + 0.9) - heading_rad(t_s - 0.1))).collect()
+    };
+    let prompt = turned_rad(&Effects::default());
+    let whole = turned_rad(&effects(&[("command_cycle", "period_s", 0.22)]));
+    let falls_into =
+        |second: f64| (0..50).map(|look| 0.22 * f64::from(look)).any(|it| (second..second + 0.1).contains(&it));
+    let expected: Vec<f64> = (1..9).map(|second| if falls_into(f64::from(second)) { 0.088 } else { 0.0 }).collect();
+    assert!(prompt.iter().all(|it| (it - 0.04).abs() < 0.004), "{prompt:?}");
+    assert!(whole.iter().zip(&expected).all(|(it, expected)| (it - expected).abs() < 0.006), "{whole:?} {expected:?}");
+    assert!(expected.iter().filter(|it| **it > 0.0).count() == 3);
 }
 
 /// What a range is off lasts as long as it is told to: of a robot at rest ranges hang on those before by the share that lasts, and
