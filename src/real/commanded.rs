@@ -54,8 +54,8 @@ impl Commanded {
     }
 }
 
-/// Commanded forward speed and turning rate.
-fn velocity(action: &Action) -> Option<[f64; 2]> {
+/// Commanded forward speed and turning rate; pedals command neither.
+pub fn velocity(action: &Action) -> Option<[f64; 2]> {
     match *action {
         Action::Wheels { v_m_per_s, omega_rad_per_s, .. } => Some([v_m_per_s, omega_rad_per_s]),
         Action::Legs { ay_m_per_s, atheta_rad_per_s, .. } => Some([ay_m_per_s, atheta_rad_per_s]),

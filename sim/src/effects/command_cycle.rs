@@ -12,7 +12,7 @@ effect! {
     "Commands are taken up once in a cycle, the newest each time, and stay in force until the next.",
     Actuation, Noise, fits ["create"],
     source "MRCLAM data set 6 (Leung et al. 2011): by motion capture all five Creates turn for whole multiples of 0.216 s, whatever \
-            they are told; the driver of their software (Player 2.1, create) sleeps for 0.2 s in each of its cycles",
+            they are told; Player's driver of Creates sleeps for 0.2 s in each of its cycles",
     drawn [period_s: Size { way: Up, least: 0.05, greatest: 0.5 }],
     {
         /// From one look to the next; the first is as the log begins.

@@ -1,13 +1,13 @@
 //! How likely bearings are where commands are taken up in cycles, and where they are not.
 
-use asami_dataset::{Action, Command, Log};
+use asami_dataset::{Command, Log};
 use asami_math::elementary::ln;
 use asami_math::wandering::{Phases, phases};
 use rayon::prelude::*;
 
 use super::Cycle;
 use crate::real::clock::usual;
-use crate::real::commanded::Commanded;
+use crate::real::commanded::{Commanded, velocity};
 use crate::real::pairs::Pair;
 
 /// A cycle is looked at in so many parts.
@@ -42,14 +42,6 @@ pub fn looks_s(began_s: f64, period_s: f64, phase: usize) -> f64 {
     began_s + ((phase as f64 + 0.5) / PHASES as f64 - 1.0) * period_s
 }
 
-/// Forward speed and turning rate of a command to wheels; others command none.
-pub fn velocity(action: &Action) -> [f64; 2] {
-    match *action {
-        Action::Wheels { v_m_per_s, omega_rad_per_s, .. } => [v_m_per_s, omega_rad_per_s],
-        Action::Legs { .. } | Action::Pedals { .. } => [0.0; 2],
-    }
-}
-
 impl Held {
     fn new(commands: &[Command], [from_s, to_s]: [f64; 2], period_s: f64, phase: usize) -> Self {
         let looks_s = looks_s(from_s, period_s, phase);
@@ -58,7 +50,7 @@ impl Held {
             turned += omega * period_s;
             let look_s = looks_s + n as f64 * period_s;
             while let Some(command) = commands.get(next).filter(|it| it.t_s <= look_s) {
-                omega = velocity(&command.action)[1];
+                omega = velocity(&command.action).map_or(0.0, |[_, omega]| omega);
                 next += 1;
             }
             [omega, turned]
@@ -105,7 +97,7 @@ impl<'a> Evidence<'a> {
     fn turned_rad(&self, pair: &Pair, late_s: f64) -> f64 {
         let speed = |t_s: f64| {
             let given = self.commands.partition_point(|it| it.t_s <= t_s - late_s);
-            velocity(&self.commands[given.max(1) - 1].action)[0]
+            velocity(&self.commands[given.max(1) - 1].action).map_or(0.0, |[v, _]| v)
         };
         pair.turned_rad() - pair.aside_rad(pair.at_s().map(speed))
     }

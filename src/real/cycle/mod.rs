@@ -10,7 +10,8 @@ mod evidence;
 use asami_dataset::{Action, Command, Log};
 
 use super::clock::Told;
-use evidence::{Evidence, PHASES, velocity};
+use super::commanded::velocity;
+use evidence::{Evidence, PHASES};
 
 /// What is taken up acts up to so much later, and times are tried so far apart.
 const MOST_LATE_S: f64 = 0.3;
@@ -106,10 +107,13 @@ pub fn taken_up(log: &Log, about_s: f64) -> Told {
     }
 }
 
-/// The likeliest cycle of about this length, by the bearings of a log and its commands alone; `None` where too few landmarks are seen in
-/// turns.
+/// The likeliest cycle of about this length, by the bearings of a log and its commands to wheels alone; `None` where too few landmarks
+/// are seen in turns.
 #[must_use]
 pub fn heard(log: &Log, about_s: f64) -> Option<Heard> {
+    if !log.commands.iter().all(|it| matches!(it.action, Action::Wheels { .. })) {
+        return None;
+    }
     let evidence = Evidence::of(log)?;
     let none = evidence.by_delay_and_lag();
     let mut cycle =
@@ -146,9 +150,10 @@ impl Heard {
     /// comes of them in proportion to time is what is to be expected.
     fn taken_up(&self, log: &Log) -> Log {
         let (Some(first), Some(last)) = (log.commands.first(), log.commands.last()) else { return log.clone() };
-        let steps = ((last.t_s - first.t_s) / STEP_S) as usize;
+        // The last is taken up within a cycle.
+        let steps = ((last.t_s + self.cycle.period_s - first.t_s) / STEP_S) as usize + 1;
         let mut given = vec![*first];
-        let mut in_force = velocity(&first.action);
+        let mut in_force = velocity(&first.action).unwrap_or_default();
         for step in 0..steps {
             let from_s = first.t_s + step as f64 * STEP_S;
             let mut probable = self.probable(&log.commands, from_s + 0.5 * STEP_S);
@@ -178,7 +183,8 @@ impl Heard {
         for (phase, share) in self.phases.get(cycle).into_iter().flatten().enumerate() {
             let looks_s = evidence::looks_s(began_s, period_s, phase);
             let look_s = looks_s + ((t_s - looks_s) / period_s).floor() * period_s;
-            let taken = velocity(&commands[commands.partition_point(|it| it.t_s <= look_s).max(1) - 1].action);
+            let given = commands.partition_point(|it| it.t_s <= look_s).max(1) - 1;
+            let taken = velocity(&commands[given].action).unwrap_or_default();
             match found.iter_mut().find(|it| alike(it.0, taken)) {
                 Some((velocity, of)) => {
                     for k in 0..2 {

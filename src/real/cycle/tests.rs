@@ -25,7 +25,8 @@ fn log(cycles: bool, seed: u64) -> (Log, Vec<f64>) {
             t_s += least_s + (most_s - least_s) * rng.random::<f64>();
         }
     }
-    let told = |t_s: f64| velocity(&commands[commands.partition_point(|it| it.t_s <= t_s).max(1) - 1].action)[1];
+    let told =
+        |t_s: f64| velocity(&commands[commands.partition_point(|it| it.t_s <= t_s).max(1) - 1].action).unwrap()[1];
     let (mut headings, mut heading, mut omega, mut look_s) = (Vec::new(), 0.0, 0.0, 0.1);
     for step in 0..(LENGTH_S / STEP) as usize {
         let t_s = step as f64 * STEP;
@@ -104,7 +105,7 @@ fn what_is_probable_is_in_force_for_its_share() {
         action: Action::Wheels { id: None, v_m_per_s: 0.1, omega_rad_per_s },
     };
     let log = Log {
-        commands: vec![wheels(0.0, 0.0), wheels(1.0, 0.4), wheels(1.5, 0.0), wheels(4.0, 0.0)].into(),
+        commands: vec![wheels(0.0, 0.0), wheels(1.0, 0.4), wheels(1.5, 0.0), wheels(4.0, 0.2)].into(),
         ..Log::default()
     };
     let cycle = Cycle { period_s: 0.5, late_s: 0.0, turns: 1.0, wanders: 0.05, off_rad: 0.01 };
@@ -112,6 +113,11 @@ fn what_is_probable_is_in_force_for_its_share() {
     let taken = heard.taken_up(&log);
     let rising = taken.commands.windows(2).all(|it| it[1].t_s > it[0].t_s && it[1].action != it[0].action);
     assert!(rising && taken.commands.len() > 10, "{:?}", taken.commands);
+    assert_eq!(
+        taken.commands.last().map(|it| it.action),
+        Some(wheels(4.0, 0.2).action),
+        "the last is taken up as well"
+    );
     let turning = crate::real::commanded::Commanded::new(&taken.commands, 0.0, 1.0);
     let all = turning.over(0.5, 2.0)[1];
     assert!((all - 0.2).abs() < 0.01, "{all}");
