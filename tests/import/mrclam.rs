@@ -158,6 +158,53 @@ fn the_real_robots_take_commands_up_once_in_a_cycle() {
     assert!(lengths_s.len() > 60 && share > 0.75, "{share} of {lengths_s:.2?}");
 }
 
+/// How fast the robot went, by motion capture, in half seconds in which and before which it was told for long to go straight on at a speed;
+/// the one that all are told most of all is left out.
+fn straight_m_per_s(Dataset { log, truth, .. }: &Dataset) -> Vec<f64> {
+    let told = |it: &Command| match it.action {
+        Action::Wheels { v_m_per_s, omega_rad_per_s, .. } if omega_rad_per_s.abs() < 0.01 => Some(v_m_per_s),
+        _ => None,
+    };
+    let position = |t_s: f64| {
+        let pose = truth.track.get(truth.track.partition_point(|it| it.t_s < t_s))?;
+        (pose.t_s - t_s < 0.03).then_some([pose.t_s, pose.x_m, pose.y_m])
+    };
+    let speed = |from_s: f64| {
+        let at = |t_s: f64| log.commands.partition_point(|it| it.t_s <= t_s).saturating_sub(1);
+        let speeds: Option<Vec<f64>> = log.commands[at(from_s - 0.9)..=at(from_s + 0.5)].iter().map(told).collect();
+        let speeds = speeds?;
+        let (least, most) =
+            speeds.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), v| (least.min(*v), most.max(*v)));
+        if most - least > 0.003 || least < 0.02 || (most - 0.067).abs() < 0.0015 {
+            return None;
+        }
+        let ([a_s, ax, ay], [b_s, bx, by]) = (position(from_s)?, position(from_s + 0.5)?);
+        Some((bx - ax).hypot(by - ay) / (b_s - a_s))
+    };
+    let (first_s, last_s) = (log.commands[0].t_s + 1.0, log.commands[log.commands.len() - 1].t_s - 1.0);
+    (0..(2.0 * (last_s - first_s)) as usize).filter_map(|i| speed(first_s + 0.5 * i as f64)).collect()
+}
+
+/// Speeds straight on gather at multiples of a step, and of no other (Rayleigh's test: by chance 200 are so
+/// concentrated once in 300 000 times).
+#[test]
+fn the_real_wheels_know_few_speeds() {
+    let Some(source) = real("mrclam6") else { return };
+    let speeds: Vec<f64> = (1..=5).flat_map(|robot| straight_m_per_s(&read(&source, robot).unwrap().dataset)).collect();
+    let gathered = |step: f64| {
+        let sum = speeds.iter().fold([0.0, 0.0], |[re, im], v| {
+            let (sin, cos) = (std::f64::consts::TAU * v / step).sin_cos();
+            [re + cos, im + sin]
+        });
+        sum.map(|it| it / speeds.len() as f64)
+    };
+    let [re, im] = gathered(0.008_45);
+    assert!(speeds.len() > 200 && re > 0.25 && im.abs() < 0.1, "{re} {im} of {}", speeds.len());
+    let others = (0..200).map(|i| 0.006 + 5e-5 * f64::from(i)).filter(|step| (step / 0.008_45 - 1.0).abs() > 0.06);
+    let most = others.map(|step| gathered(step)[0]).fold(0.0, f64::max);
+    assert!(most < 0.5 * re, "{most} {re}");
+}
+
 #[test]
 fn broken_sources_are_refused_with_their_line() {
     let cases = [

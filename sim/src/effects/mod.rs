@@ -38,6 +38,7 @@ pub mod servo_latency;
 pub mod servo_speed_limit;
 pub mod short_leg;
 pub mod slope;
+pub mod speed_steps;
 pub mod spin_rate_error;
 pub mod stale_pictures;
 pub mod steering_lag;
@@ -129,6 +130,7 @@ effects! {
     battery_sag => BatterySag,
     ground_friction => GroundFriction,
     slope => Slope,
+    speed_steps => SpeedSteps,
     turn_slowing => TurnSlowing,
     unequal_wheels => UnequalWheels,
     wheel_base => WheelBase,

@@ -140,7 +140,10 @@ impl CreateWorld {
         let aside = 0.5 * self.blueprint.base_m() * omega_rad_per_s * of_turning;
         let of_speed = of_speed * (1.0 - knobs.wheels.turn_loss_s2 * omega_rad_per_s * omega_rad_per_s).max(0.0);
         let most_m_per_s = self.config.wheels.most_m_per_s * knobs.motors.speed_ratio;
-        [-1.0, 1.0].map(|side| (v_m_per_s * of_speed + side * aside).clamp(-most_m_per_s, most_m_per_s))
+        let step_m_per_s = knobs.wheels.step_m_per_s;
+        let made =
+            |wanted: f64| if step_m_per_s > 0.0 { (wanted / step_m_per_s).round() * step_m_per_s } else { wanted };
+        [-1.0, 1.0].map(|side| made((v_m_per_s * of_speed + side * aside).clamp(-most_m_per_s, most_m_per_s)))
     }
 
     /// Takes a frame.

@@ -218,6 +218,26 @@ fn pictures_are_as_old_as_frames_and_they_fall_apart() {
     assert!(bearings(0.08, 0.0).iter().zip(bearings(0.0, 0.0)).all(|(stale, fresh)| (stale - fresh).abs() < 1e-9));
 }
 
+/// Straight on, and in a turn on the spot, tyres turn at multiples of a step; what is told less than half of one rests.
+#[test]
+fn wheels_turn_at_multiples_of_a_step() {
+    let stepped = effects(&[("speed_steps", "step_m_per_s", 0.01)]);
+    let of = |told: [f64; 2]| {
+        let track = drive(&exact(), &stepped, told, 8.0).truth.track;
+        let [a, b] = [3.0, 7.0].map(|t_s| track[track.partition_point(|it| it.t_s < t_s)]);
+        let s = b.t_s - a.t_s;
+        [hypot(b.x_m - a.x_m, b.y_m - a.y_m) / s, wrap_rad(b.theta_rad - a.theta_rad) / s]
+    };
+    for (told, made) in [(0.064, 0.06), (0.066, 0.07), (0.021, 0.02), (0.004, 0.0), (-0.016, 0.02)] {
+        let [v, omega] = of([told, 0.0]);
+        assert!((v - made).abs() < 1e-3 && omega.abs() < 2e-3, "{told}: {v} m/s, {omega} rad/s");
+    }
+    let base_m = Blueprint::shipped().unwrap().base_m();
+    let [_, omega] = of([0.0, 0.3]);
+    // 0.0387 m/s are told at either side.
+    assert!((omega - 0.08 / base_m).abs() < 0.01, "{omega}");
+}
+
 /// By software that looks for commands every 0.22 s a robot that is told to turn for a tenth of a second turns for 0.22 s where a look
 /// falls into that, and else not at all; by software that always looks, for a tenth.
 #[test]
