@@ -98,9 +98,15 @@ impl Action {
     /// The commanded forward speed in m/s of a robot that has one; `None` for pedals.
     #[must_use]
     pub fn forward_m_per_s(&self) -> Option<f64> {
+        self.velocity().map(|[forward_m_per_s, _]| forward_m_per_s)
+    }
+
+    /// Commanded forward speed in m/s and turning rate in rad/s; pedals command neither.
+    #[must_use]
+    pub fn velocity(&self) -> Option<[f64; 2]> {
         match *self {
-            Action::Legs { ay_m_per_s, .. } => Some(ay_m_per_s),
-            Action::Wheels { v_m_per_s, .. } => Some(v_m_per_s),
+            Action::Legs { ay_m_per_s, atheta_rad_per_s, .. } => Some([ay_m_per_s, atheta_rad_per_s]),
+            Action::Wheels { v_m_per_s, omega_rad_per_s, .. } => Some([v_m_per_s, omega_rad_per_s]),
             Action::Pedals { .. } => None,
         }
     }

@@ -1,6 +1,6 @@
 //! What a robot was commanded, behind a lag.
 
-use asami_dataset::{Action, Command};
+use asami_dataset::Command;
 use asami_math::elementary::exp;
 
 /// Commands, and what came of them, are looked at so often.
@@ -25,7 +25,7 @@ impl Commanded {
         for i in 0..steps {
             let t_s = from_s + (i as f64 + 0.5) * STEP_S;
             while let Some(command) = commands.get(next).filter(|command| command.t_s <= t_s) {
-                if let Some([v, omega]) = velocity(&command.action) {
+                if let Some([v, omega]) = command.action.velocity() {
                     given = [v, omega, v * omega * omega];
                 }
                 next += 1;
@@ -51,14 +51,5 @@ impl Commanded {
     pub fn over(&self, from_s: f64, length_s: f64) -> [f64; 3] {
         let (before, after) = (self.until(from_s), self.until(from_s + length_s));
         std::array::from_fn(|k| after[k] - before[k])
-    }
-}
-
-/// Commanded forward speed and turning rate; pedals command neither.
-pub fn velocity(action: &Action) -> Option<[f64; 2]> {
-    match *action {
-        Action::Wheels { v_m_per_s, omega_rad_per_s, .. } => Some([v_m_per_s, omega_rad_per_s]),
-        Action::Legs { ay_m_per_s, atheta_rad_per_s, .. } => Some([ay_m_per_s, atheta_rad_per_s]),
-        Action::Pedals { .. } => None,
     }
 }

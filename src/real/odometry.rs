@@ -7,7 +7,7 @@
 
 use asami_dataset::{Action, Channel, Command, Frame, Log};
 
-use super::clock::{Told, dated};
+use super::clock::dated;
 use super::cycle::taken_up;
 
 /// What is made of a real log before it is diagnosed: in this order, where it is said.
@@ -40,17 +40,27 @@ impl Readied {
     /// The log so made, and what became of its clocks.
     #[must_use]
     pub fn of(self, log: &Log) -> (Log, Clocks) {
-        let made = self.average_s.map_or_else(|| log.clone(), |over_s| averaged(log, over_s));
-        let made = self.earlier_s.map_or_else(|| made.clone(), |by_s| earlier(&made, by_s));
-        let camera = self.camera_hz.map(|hz| dated(&made, hz));
-        let made = camera.as_ref().map_or(made, |told| told.log.clone());
-        let cycle = self.command_cycle_s.map(|about_s| taken_up(&made, about_s));
-        let made = cycle.as_ref().map_or(made, |told| told.log.clone());
-        let period_s = |told: &Option<Told>| told.as_ref().and_then(|told| told.period_s);
-        let (picture_period_s, command_cycle_s) = (period_s(&camera), period_s(&cycle));
-        let said = [camera, cycle].into_iter().flatten().map(|told| told.said).collect();
-        let made = self.every_s.map_or_else(|| made.clone(), |every_s| thinned(&made, every_s));
-        (made, Clocks { said, picture_period_s, command_cycle_s })
+        let (mut made, mut clocks) = (log.clone(), Clocks::default());
+        if let Some(over_s) = self.average_s {
+            made = averaged(&made, over_s);
+        }
+        if let Some(by_s) = self.earlier_s {
+            made = earlier(&made, by_s);
+        }
+        if let Some(hz) = self.camera_hz {
+            let told = dated(&made, hz);
+            (made, clocks.picture_period_s) = (told.log, told.period_s);
+            clocks.said.push(told.said);
+        }
+        if let Some(about_s) = self.command_cycle_s {
+            let told = taken_up(&made, about_s);
+            (made, clocks.command_cycle_s) = (told.log, told.period_s);
+            clocks.said.push(told.said);
+        }
+        if let Some(every_s) = self.every_s {
+            made = thinned(&made, every_s);
+        }
+        (made, clocks)
     }
 
     /// What means nothing, by its key.
@@ -75,16 +85,17 @@ impl Readied {
 #[must_use]
 pub fn averaged(log: &Log, over_s: f64) -> Log {
     let given = &log.commands;
+    let velocity = |row: &Command| row.action.velocity().unwrap_or_default();
     // Way and turn commanded until each row.
     let mut sums = vec![[0.0; 2]];
     for pair in given.windows(2) {
         let (last, held_s) = (sums[sums.len() - 1], pair[1].t_s - pair[0].t_s);
-        let [v, omega] = wheels(&pair[0].action);
+        let [v, omega] = velocity(&pair[0]);
         sums.push([last[0] + held_s * v, last[1] + held_s * omega]);
     }
     let until = |t_s: f64| {
         let i = given.partition_point(|row| row.t_s <= t_s).saturating_sub(1);
-        let ([v, omega], held_s) = (wheels(&given[i].action), t_s - given[i].t_s);
+        let ([v, omega], held_s) = (velocity(&given[i]), t_s - given[i].t_s);
         [sums[i][0] + held_s * v, sums[i][1] + held_s * omega]
     };
     let (Some(first), Some(last)) = (given.first(), given.last()) else { return log.clone() };
@@ -141,14 +152,6 @@ pub fn thinned(log: &Log, every_s: f64) -> Log {
     Log { frames: log.frames.as_ref().map(of_frames), sightings: sightings.collect::<Vec<_>>().into(), ..log.clone() }
 }
 
-/// Speed and turning rate.
-fn wheels(action: &Action) -> [f64; 2] {
-    match *action {
-        Action::Wheels { v_m_per_s, omega_rad_per_s, .. } => [v_m_per_s, omega_rad_per_s],
-        Action::Legs { .. } | Action::Pedals { .. } => [0.0; 2],
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use asami_dataset::Sighting;
@@ -168,12 +171,12 @@ mod tests {
     fn noise_is_averaged_away_and_speed_is_not() {
         let noisy = averaged(&log((0..100).map(|i| 0.3 + if i % 2 == 0 { 0.1 } else { -0.1 })), 1.0);
         for row in &noisy.commands[5..95] {
-            let [v, omega] = wheels(&row.action);
+            let [v, omega] = row.action.velocity().unwrap();
             assert!((v - 0.3).abs() < 1e-9 && (omega + 0.6).abs() < 1e-9, "{row:?}");
         }
         let growing = averaged(&log((0..100).map(|i| 0.01 * f64::from(i))), 1.0);
         for (i, row) in (0..).zip(growing.commands.iter()).skip(6).take(88) {
-            assert!((wheels(&row.action)[0] - (0.01 * f64::from(i) - 0.005)).abs() < 1e-9, "{row:?}");
+            assert!((row.action.velocity().unwrap()[0] - (0.01 * f64::from(i) - 0.005)).abs() < 1e-9, "{row:?}");
         }
         let empty = Log::default();
         assert_eq!(averaged(&empty, 1.0), empty);
@@ -216,7 +219,7 @@ mod tests {
         let given = log((0..50).map(|i| 0.01 * f64::from(i)));
         let moved = earlier(&given, 0.1);
         let at = |log: &Log, t_s: f64| {
-            wheels(&log.commands[log.commands.partition_point(|row| row.t_s <= t_s) - 1].action)[0]
+            log.commands[log.commands.partition_point(|row| row.t_s <= t_s) - 1].action.forward_m_per_s().unwrap()
         };
         for i in 0..48 {
             let t_s = 0.1 * f64::from(i) + 0.05;

@@ -131,6 +131,7 @@ fn turns_s(Dataset { log, truth, .. }: &Dataset) -> Vec<f64> {
     });
     let length_s = |it: &[(f64, f64, f64)]| {
         let (from_s, until_s, _) = it[1];
+        // Told 0.398 rad/s to one side and 0.408 to the other.
         Some(wrap_rad(heading(until_s + 0.7)? - heading(from_s - 0.2)?).abs() / 0.403)
     };
     alone.filter_map(length_s).collect()

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Cycle;
 use crate::real::clock::usual;
-use crate::real::commanded::{Commanded, velocity};
+use crate::real::commanded::Commanded;
 use crate::real::pairs::Pair;
 
 /// A cycle is looked at in so many parts.
@@ -16,9 +16,9 @@ pub const PHASES: usize = 36;
 const LEAST: usize = 50;
 /// A robot that turns by less between two sightings, or might, shows nothing of when it did.
 const TURNS_RAD: f64 = 0.01;
-/// Delays and lags are tried so far apart, up to the greatest.
-const LATE_APART_S: f64 = 0.05;
-const MOST_LATE: u8 = 8;
+/// Where there is no cycle: delays and lags are tried so far apart, and so many besides none.
+const LAGS_APART_S: f64 = 0.05;
+const LAGS: u8 = 8;
 
 /// What a log shows.
 pub struct Evidence<'a> {
@@ -50,7 +50,7 @@ impl Held {
             turned += omega * period_s;
             let look_s = looks_s + n as f64 * period_s;
             while let Some(command) = commands.get(next).filter(|it| it.t_s <= look_s) {
-                omega = velocity(&command.action).map_or(0.0, |[_, omega]| omega);
+                omega = command.action.velocity().map_or(0.0, |[_, omega]| omega);
                 next += 1;
             }
             [omega, turned]
@@ -76,7 +76,7 @@ impl<'a> Evidence<'a> {
         let within = |pair: &Pair| pair.at_s().iter().all(|t_s| (from_s..to_s).contains(t_s));
         let pairs: Vec<Pair> = Pair::all(log).into_iter().filter(within).collect();
         let turning = Commanded::new(commands, 0.0, 0.0);
-        let most_s = f64::from(MOST_LATE) * LATE_APART_S;
+        let most_s = f64::from(LAGS) * LAGS_APART_S;
         // Where the robot may turn at all, turns of either side are none.
         let might_turn = |pair: &Pair| {
             let [a_s, b_s] = pair.at_s();
@@ -97,16 +97,16 @@ impl<'a> Evidence<'a> {
     fn turned_rad(&self, pair: &Pair, late_s: f64) -> f64 {
         let speed = |t_s: f64| {
             let given = self.commands.partition_point(|it| it.t_s <= t_s - late_s);
-            velocity(&self.commands[given.max(1) - 1].action).map_or(0.0, |[v, _]| v)
+            self.commands[given.max(1) - 1].action.forward_m_per_s().unwrap_or(0.0)
         };
         pair.turned_rad() - pair.aside_rad(pair.at_s().map(speed))
     }
 
     /// How likely bearings are by the likeliest delay, lag, share of turns and scatter.
     pub fn by_delay_and_lag(&self) -> f64 {
-        let ways = (0..=MOST_LATE).flat_map(|lag| (0..=MOST_LATE).map(move |delay| [lag, delay]));
+        let ways = (0..=LAGS).flat_map(|lag| (0..=LAGS).map(move |delay| [lag, delay]));
         let of = |way: [u8; 2]| {
-            let [lag_s, delay_s] = way.map(|it| f64::from(it) * LATE_APART_S);
+            let [lag_s, delay_s] = way.map(|it| f64::from(it) * LAGS_APART_S);
             let turning = Commanded::new(self.commands, lag_s, delay_s);
             let told = |pair: &Pair| {
                 let [a_s, b_s] = pair.at_s();

@@ -10,7 +10,6 @@ mod evidence;
 use asami_dataset::{Action, Command, Log};
 
 use super::clock::Told;
-use super::commanded::velocity;
 use evidence::{Evidence, PHASES};
 
 /// What is taken up acts up to so much later, and times are tried so far apart.
@@ -153,7 +152,7 @@ impl Heard {
         // The last is taken up within a cycle.
         let steps = ((last.t_s + self.cycle.period_s - first.t_s) / STEP_S) as usize + 1;
         let mut given = vec![*first];
-        let mut in_force = velocity(&first.action).unwrap_or_default();
+        let mut in_force = first.action.velocity().unwrap_or_default();
         for step in 0..steps {
             let from_s = first.t_s + step as f64 * STEP_S;
             let mut probable = self.probable(&log.commands, from_s + 0.5 * STEP_S);
@@ -184,7 +183,7 @@ impl Heard {
             let looks_s = evidence::looks_s(began_s, period_s, phase);
             let look_s = looks_s + ((t_s - looks_s) / period_s).floor() * period_s;
             let given = commands.partition_point(|it| it.t_s <= look_s).max(1) - 1;
-            let taken = velocity(&commands[given].action).unwrap_or_default();
+            let taken = commands[given].action.velocity().unwrap_or_default();
             match found.iter_mut().find(|it| alike(it.0, taken)) {
                 Some((velocity, of)) => {
                     for k in 0..2 {

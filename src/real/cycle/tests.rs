@@ -26,7 +26,7 @@ fn log(cycles: bool, seed: u64) -> (Log, Vec<f64>) {
         }
     }
     let told =
-        |t_s: f64| velocity(&commands[commands.partition_point(|it| it.t_s <= t_s).max(1) - 1].action).unwrap()[1];
+        |t_s: f64| commands[commands.partition_point(|it| it.t_s <= t_s).max(1) - 1].action.velocity().unwrap()[1];
     let (mut headings, mut heading, mut omega, mut look_s) = (Vec::new(), 0.0, 0.0, 0.1);
     for step in 0..(LENGTH_S / STEP) as usize {
         let t_s = step as f64 * STEP;
