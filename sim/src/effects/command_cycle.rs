@@ -23,17 +23,18 @@ effect! {
 impl Effect for CommandCycle {
     fn stage(&self, _rng: Rng) -> Option<Stage> {
         let period_s = self.period_s;
-        let (mut looks, mut in_force) = (0.0, None);
-        Some(Stage::Command(Box::new(move |t_s: f64, action: Action| {
+        let mut taken: Option<(f64, Action)> = None;
+        let stage = move |t_s: f64, action: Action| {
             // Half a microsecond: times are multiples of the tick, computed by one rounding each.
-            while looks * period_s <= t_s + 5e-7 {
-                in_force = Some(action);
-                looks += 1.0;
-                if period_s <= 0.0 {
-                    break;
+            let look = ((t_s + 5e-7) / period_s).floor();
+            match taken {
+                Some((last, in_force)) if look <= last => in_force,
+                _ => {
+                    taken = Some((look, action));
+                    action
                 }
             }
-            in_force.unwrap_or(action)
-        })))
+        };
+        (period_s > 0.0).then(|| Stage::Command(Box::new(stage)))
     }
 }

@@ -4,8 +4,8 @@ use crate::effect::{Effect, effect};
 use crate::knobs::Knobs;
 
 effect! {
-    /// The loop that holds a wheel's speed counts whole ticks of its encoder: the wheel turns at the nearest multiple of a step. Over all
-    /// speeds that is nothing in the mean; what it has of its own is that each speed is off by another share.
+    /// Whoever holds the wheels' speeds knows multiples of a step only, and each wheel turns at the nearest. Over all speeds that is nothing
+    /// in the mean; what it has of its own is that each speed is off by another share.
     SpeedSteps, "speed_steps",
     "Each wheel turns at the nearest multiple of a step of speed.",
     Actuation, Noise, fits ["create"],
