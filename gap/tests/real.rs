@@ -9,6 +9,7 @@ use asami_gap::answer::diagnosis::{Diagnosis, Verdict};
 use asami_gap::judge::Judge;
 use asami_gap::library::{Budget, play};
 use asami_gap::race::Pace;
+use asami_gap::real::Search;
 use asami_gap::real::crossed::Crossed;
 use asami_gap::real::folds::Folds;
 use asami_gap::real::kin::Kin;
@@ -128,8 +129,11 @@ fn what_landmarks_are_off_for_a_while_lasts() {
 fn several_effects_are_named_one_beside_another() {
     let wrong =
         [planted("command_scale", -1.0, 0.12), planted("image_delay", 1.0, 0.08), planted("height_bias", 1.0, 1.5)];
-    for seed in 10..13 {
-        let diagnosis = real::diagnose(library(), &variants(), &log([1.3, 1.3, 1.4], &wrong, seed)).unwrap();
+    for (seed, search) in
+        [(10, Search::Forwards), (11, Search::Forwards), (12, Search::Forwards), (11, Search::BothWays)]
+    {
+        let log = log([1.3, 1.3, 1.4], &wrong, seed);
+        let diagnosis = real::diagnose_among(library(), &variants(), &log, &Kin::NONE, search).unwrap();
         assert_eq!(named(&diagnosis), ["command_scale", "height_bias", "image_delay"], "seed {seed}");
         assert_eq!(diagnosis.verdict, Verdict::Named, "seed {seed}");
         for (name, expected) in

@@ -9,6 +9,7 @@ use asami::diagnose::self_test::self_test;
 use asami::diagnose::{Answer, Asked, kin, words};
 use asami::real::odometry::Readied;
 use asami::verb;
+use asami_gap::real::Search;
 use clap::Parser;
 
 /// Says where a log and its nominal world part, which unmodelled effect parts them, and how far the gap shrinks with it.
@@ -68,6 +69,10 @@ struct Arguments {
     /// Of a real log's frames, which are off alike where they follow at once, one in S seconds is taken
     #[arg(long, value_name = "S", requires = "real")]
     every_s: Option<f64>,
+    /// Of a real robot, effects are found both one after another, and backwards from all of them at once; what is worth more counts: of
+    /// effects that act alike the one that comes first may make up for the others. Takes up to twice as long
+    #[arg(long, requires = "real")]
+    both_ways: bool,
     /// Of a real robot, the diagnosis.json of another of its make, by its own log: what others have, it is expected to have, and what
     /// none of them has, it is not; may be given again
     #[arg(long, value_name = "FILE", requires = "real")]
@@ -96,6 +101,7 @@ fn main() -> ExitCode {
             calibrate: arguments.calibrate,
             real: arguments.real,
             kin: kin::read(&arguments.kin)?,
+            search: if arguments.both_ways { Search::BothWays } else { Search::Forwards },
             picture_period_s: clocks.picture_period_s,
             command_cycle_s: clocks.command_cycle_s,
             notes: clocks.said,

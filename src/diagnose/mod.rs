@@ -21,10 +21,10 @@ use asami_gap::answer::calibration::{Calibration, Left, less};
 use asami_gap::answer::diagnose::Diagnoser;
 use asami_gap::answer::diagnosis::CalibratedOn;
 use asami_gap::library::Responses;
-use asami_gap::real;
 use asami_gap::real::kin::Kin;
 use asami_gap::real::scanner::lasers::Laser;
 use asami_gap::real::scanner::{self, Found};
+use asami_gap::real::{self, Search};
 use asami_gap::view::CannotSee;
 use asami_gap::weigh::causes::Evidence;
 use asami_gap::weigh::findings::Findings;
@@ -79,6 +79,8 @@ pub struct Asked {
     pub real: bool,
     /// And what others of its make have.
     pub kin: Kin,
+    /// And in which order effects are found.
+    pub search: Search,
     /// And, where its camera takes pictures by a clock of its own, from each to the next.
     pub picture_period_s: Option<f64>,
     /// And, where commands are taken up once in a cycle, how long that is.
@@ -199,10 +201,10 @@ impl Ready {
     ///
     /// # Errors
     /// [`CannotSee`] says what the log lacks.
-    pub fn diagnose_real(&self, log: &Log, kin: &Kin) -> Result<Found, CannotSee> {
+    pub fn diagnose_real(&self, log: &Log, kin: &Kin, search: Search) -> Result<Found, CannotSee> {
         match &self.shelved.library {
             Responses::Landmarks(library) => {
-                let diagnosis = real::diagnose_among(library, &self.variants, log, kin)?;
+                let diagnosis = real::diagnose_among(library, &self.variants, log, kin, search)?;
                 Ok(Found { diagnosis, lasers: Vec::new() })
             }
             Responses::Drives(_) | Responses::Unplayed if log.firings.is_some() => {
@@ -279,7 +281,7 @@ impl Answer {
         let ready = Ready::new(&log, asked, listener)?;
         listener.says("reading the log");
         let Found { mut diagnosis, lasers } = if asked.real {
-            ready.diagnose_real(&log, &asked.kin)?
+            ready.diagnose_real(&log, &asked.kin, asked.search)?
         } else {
             Found { diagnosis: ready.diagnose(&log)?, lasers: Vec::new() }
         };

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use asami_dataset::parameters::Fault;
+use asami_gap::real::Search;
 use serde::{Deserialize, Serialize};
 
 use super::odometry::Readied;
@@ -72,6 +73,9 @@ pub struct Source {
     pub command_cycle_s: Option<f64>,
     /// Of frames that follow at once, one in so long is taken: see [`super::odometry`].
     pub every_s: Option<f64>,
+    /// Effects are found both one after another and backwards from all of them at once: see [`Search`].
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub both_ways: bool,
     /// The scenario by which this recording is learned from: a shipped one's name.
     pub learned_in: Option<String>,
 }
@@ -82,6 +86,12 @@ impl Source {
     pub fn readied(&self) -> Readied {
         let Self { average_s, earlier_s, camera_hz, command_cycle_s, every_s, .. } = *self;
         Readied { average_s, earlier_s, camera_hz, command_cycle_s, every_s }
+    }
+
+    /// In which order its effects are found.
+    #[must_use]
+    pub fn search(&self) -> Search {
+        if self.both_ways { Search::BothWays } else { Search::Forwards }
     }
 }
 

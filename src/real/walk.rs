@@ -266,7 +266,7 @@ impl Prepared<'_> {
         let scans = log.firings.is_some();
         let answer = catch_unwind(AssertUnwindSafe(|| {
             let limited = of_real(&log).map_err(|error| error.to_string())?;
-            self.ready.diagnose_real(&limited.log, kin).map_err(|error| error.to_string())
+            self.ready.diagnose_real(&limited.log, kin, self.source.search()).map_err(|error| error.to_string())
         }));
         let (found, error) = match answer {
             Ok(Ok(found)) => (Some(found), String::new()),

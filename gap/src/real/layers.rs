@@ -9,7 +9,7 @@ use asami_sim::effect::{Block, Place};
 
 use super::kin::Kin;
 use super::starts::starts;
-use super::unsure::{World, believed, blocks};
+use super::unsure::{blocks, sized};
 use crate::judge::Judge;
 use crate::newton::{Curvature, climb};
 use crate::plant::{Planted, Variant};
@@ -32,11 +32,6 @@ const DIFFERENCE: f64 = 0.02;
 const LONGEST: f64 = 1.0;
 /// Precision of a prior that leaves a size which changes nothing where it is.
 const NEXT_TO_NOTHING: f64 = 1e-3;
-
-/// So many may be in the world besides those that are named.
-const UNNAMED: usize = 2;
-/// A world less probable than this is left out.
-const HARDLY: f64 = 0.02;
 
 /// Effects are thought of again at most so often.
 const PASSES: usize = 2;
@@ -82,15 +77,23 @@ pub struct Least {
 impl Least {
     /// The kinds that may be named beside these.
     fn beside(&self, variants: &[Variant], with: &[Planted]) -> Vec<Variant> {
-        let late = |it: &Variant| it.place() == Place::Actuation && it.block() == Block::Timing;
-        let rules_out = |it: &Planted, variant: &Variant| {
-            it.variant.about.name == variant.about.name || self.late_once && late(&it.variant) && late(variant)
-        };
-        variants.iter().filter(|variant| !with.iter().any(|it| rules_out(it, variant))).cloned().collect()
+        variants.iter().filter(|variant| !self.rules_out(variant, with)).cloned().collect()
+    }
+
+    /// Whether one of `with` is enough.
+    pub(super) fn rules_out(&self, variant: &Variant, with: &[Planted]) -> bool {
+        let same = |it: &Planted| it.variant.about.name == variant.about.name;
+        let late = |it: &Planted| self.one_of_two(&it.variant) && self.one_of_two(variant);
+        with.iter().any(|it| same(it) || late(it))
+    }
+
+    /// Whether it is one of two ways in which commands come late, of which one is enough.
+    pub(super) fn one_of_two(&self, variant: &Variant) -> bool {
+        self.late_once && variant.place() == Place::Actuation && variant.block() == Block::Timing
     }
 
     /// What the last of these effects must gain, all of which together are so likely.
-    fn gain(&self, judge: &dyn Judge, all: &[Planted], likely: f64) -> f64 {
+    pub(super) fn gain(&self, judge: &dyn Judge, all: &[Planted], likely: f64) -> f64 {
         let moves = |it: &Planted| matches!(it.variant.place(), Place::Actuation | Place::Dynamics);
         let Some(last) = all.last() else { return self.nats };
         let others: Vec<Planted> = all.iter().filter(|it| moves(it) != moves(last)).cloned().collect();
@@ -118,10 +121,29 @@ pub fn layers(judge: &dyn Judge, variants: &[Variant], least: &Least) -> Vec<Lay
     layers
 }
 
+/// The same of effects that were found together: what each is worth beside all others.
+#[must_use]
+pub fn beside_one_another(judge: &dyn Judge, found: &[Planted]) -> Vec<Layer> {
+    let layer = |i: usize| {
+        let mut others = found.to_vec();
+        let best = others.remove(i);
+        let weighed = weigh(judge, std::slice::from_ref(&best.variant), &others, CLOSE).pop()?;
+        let pays_nats = weighed.gain_nats - weighed.evidence_nats;
+        Some(Layer { weighed: Weighed { best, ..weighed }, pays_nats, rivals: Vec::new() })
+    };
+    (0..found.len()).filter_map(layer).collect()
+}
+
+/// Thinks again of each of the effects ([`thought_again`]), and says how large each is whatever else there may be.
+#[must_use]
+pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], layers: Vec<Layer>, least: &Least) -> Vec<Layer> {
+    sized(judge, variants, thought_again(judge, variants, layers, least), least)
+}
+
 /// Thinks again of each of the effects, now that all the others are in the world: another may stand in its place, or none. What
 /// remains is in order of its evidence beside all others, by blocks.
 #[must_use]
-pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Layer>, least: &Least) -> Vec<Layer> {
+pub fn thought_again(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Layer>, least: &Least) -> Vec<Layer> {
     for _ in 0..PASSES {
         let mut changed = false;
         for at in (0..layers.len()).rev() {
@@ -142,40 +164,7 @@ pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], mut layers: Vec<Lay
         }
     }
     layers.sort_by(|a, b| b.weighed.evidence_nats.total_cmp(&a.weighed.evidence_nats));
-    let found = believed(judge, &worlds(judge, variants, &planted(&layers), least));
-    for (layer, believed) in layers.iter_mut().zip(found) {
-        layer.weighed.best.size = believed.size;
-        layer.weighed.interval = believed.interval;
-    }
     layers
-}
-
-/// What the world may be, where these effects are named: they alone, and with others that are not worth a name. An effect's size
-/// hangs on what else there is, so that it would be said too surely, and with what others do put down to it, were there nothing
-/// (Hoeting et al. 1999, "Bayesian Model Averaging").
-fn worlds(judge: &dyn Judge, variants: &[Variant], named: &[Planted], least: &Least) -> Vec<World> {
-    // With the logarithm of how probable each is over the named ones alone.
-    let mut all = vec![(named.to_vec(), 0.0)];
-    let mut base = all[0].clone();
-    let unnamed = if named.is_empty() { 0 } else { UNNAMED };
-    for _ in 0..unnamed {
-        let likely = judge.log_likelihood(&base.0);
-        let further = next(judge, variants, least, &base.0, likely).into_iter().map(|(it, settled)| {
-            // Where more is asked for because the library may be off by as much, a nat counts so much less.
-            let counts = settled.counts * least.nats / least.gain(judge, &settled.effects, settled.likely);
-            let odds = base.1 + of_what_counts(&it, counts) - Kin::NONE.against_nats(it.effect);
-            (settled.effects, odds)
-        });
-        let further: Vec<(Vec<Planted>, f64)> = further.collect();
-        let likeliest = further.iter().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|it| it.1 > base.1).cloned();
-        all.extend(further);
-        let Some(likeliest) = likeliest else { break };
-        base = likeliest;
-    }
-    let top = all.iter().fold(f64::NEG_INFINITY, |top, it| top.max(it.1));
-    let whole = all.iter().fold(0.0, |sum, it| sum + exp(it.1 - top));
-    let shared = all.into_iter().map(|(effects, odds)| World { effects, share: exp(odds - top) / whole });
-    shared.filter(|it| it.share >= HARDLY).collect()
 }
 
 /// The sizes of `others` without an effect that was there `before`, and what stands in its place with the sizes of all; `None` where
@@ -231,7 +220,7 @@ fn by_blocks(it: &Weighed, settled: &Settled) -> f64 {
 }
 
 /// The evidence of an effect, where of a nat that it gains so much counts; what it pays for its size it pays all the same.
-fn of_what_counts(it: &Weighed, counts: f64) -> f64 {
+pub(super) fn of_what_counts(it: &Weighed, counts: f64) -> f64 {
     counts * it.gain_nats - (it.gain_nats - it.evidence_nats)
 }
 
@@ -247,18 +236,18 @@ pub fn planted(layers: &[Layer]) -> Vec<Planted> {
 }
 
 /// Effects with their sizes found together.
-struct Settled {
+pub(super) struct Settled {
     /// At their most likely sizes.
-    effects: Vec<Planted>,
+    pub effects: Vec<Planted>,
     /// The log-likelihood there.
-    likely: f64,
+    pub likely: f64,
     /// What counts of a nat that the last of them gains: its variance as steps have it over that as blocks do (Pauli, Racugno
     /// and Ventura 2011).
-    counts: f64,
+    pub counts: f64,
 }
 
 /// What may be put beside what is in the world, the most evident first, each with the sizes of all found together.
-fn next(
+pub(super) fn next(
     judge: &dyn Judge,
     variants: &[Variant],
     least: &Least,
@@ -299,7 +288,7 @@ fn next(
 }
 
 /// Finds all sizes together, by Newton's method on their logarithms.
-fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
+pub(super) fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
     let block = blocks(judge);
     let terms = |all: &[Planted]| judge.terms(&judge.numbers(all));
     let total = |terms: &[f64]| terms.iter().fold(0.0, |sum, it| sum + it);
@@ -369,31 +358,5 @@ mod tests {
         assert_eq!(names, ["command_scale"]);
         let [low, high] = found[0].weighed.interval;
         assert!(low < of(0, 0.5).size && of(0, 0.5).size < high, "{low} to {high}");
-    }
-
-    /// What is not worth a name may be there all the same, and what is named makes up for it: intervals allow for that.
-    #[test]
-    fn sizes_allow_for_what_else_there_may_be() {
-        let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
-        let of = |k: usize, share: f64| Planted { variant: kinds[k].clone(), size: share * kinds[k].sizes().1 };
-        let truth = [of(0, 0.5), of(1, 0.3)];
-        let wave = |t: usize, step: f64| (step * t as f64).sin();
-        // By itself the second wave is worth 4.4 nats: less than a name is.
-        let alike = |t: usize| wave(t, 0.37) + 0.7 * wave(t, 0.91);
-        let [mut held, mut alone] = [0, 0];
-        for seed in 0..40 {
-            let log = Straight::new(&truth, &[&|t| wave(t, 0.37), &alike], Seed(seed));
-            let named = settle(&log, vec![of(0, 0.5)]).effects;
-            let holds = |worlds: &[World]| {
-                let [low, high] = believed(&log, worlds)[0].interval;
-                low <= truth[0].size && truth[0].size <= high
-            };
-            let worlds = worlds(&log, &kinds, &named, &LEAST);
-            let shares: f64 = worlds.iter().map(|it| it.share).sum();
-            assert!((0.95..1.0 + 1e-9).contains(&shares), "{shares}");
-            held += usize::from(holds(&worlds));
-            alone += usize::from(holds(&[World { effects: named, share: 1.0 }]));
-        }
-        assert!(held >= 30 && alone <= 10, "{held} and {alone} of 40");
     }
 }

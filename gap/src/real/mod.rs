@@ -12,6 +12,7 @@ mod ridge;
 pub mod scanner;
 mod starts;
 mod unsure;
+mod whole;
 
 use std::collections::BTreeMap;
 
@@ -33,10 +34,16 @@ use crate::weigh::groups::{SPLIT_NATS, smallest_visible};
 use crossed::Crossed;
 use folds::Folds;
 use kin::Kin;
-use layers::{Layer, Least, Rival, layers, planted, reconsidered};
+use layers::{Layer, Least, Rival, beside_one_another, layers, planted, thought_again};
+use unsure::{sized, sized_about_the_top};
+use whole::whole;
 
 /// Noise is learned, effects are named, and again, for the noise is what the effects leave; the likeliest of these counts.
 const ROUNDS: usize = 4;
+/// Of all effects at once, and of each beside what that leaves, it is thought again at most so often.
+const AGAIN: usize = 2;
+/// Where that gains less, in nats, it is not.
+const GAINS_NOTHING_NATS: f64 = 1.0;
 /// In so many of the first ones it is looked for where the robot does not do what it is told.
 const LOOKING: usize = 2;
 /// Ten to one are against each further effect, and nine to one have to be for it: 4.5 nats. What adds less than this share may as
@@ -58,14 +65,66 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// # Errors
 /// [`CannotSee`] says what the log lacks.
 pub fn diagnose(nominal: &Library, variants: &[Variant], log: &Log) -> Result<Diagnosis, CannotSee> {
-    diagnose_among(nominal, variants, log, &Kin::NONE)
+    diagnose_among(nominal, variants, log, &Kin::NONE, Search::Forwards)
+}
+
+/// In which order effects are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Search {
+    /// One after another, beside what was found before.
+    #[default]
+    Forwards,
+    /// So, and then backwards from there with all of them at once ([`whole`]): whichever is worth more.
+    BothWays,
+}
+
+impl Search {
+    /// Effects found, by noise as it is known so far.
+    fn layers(self, judge: &dyn Judge, variants: &[Variant], least: &Least) -> Vec<Layer> {
+        let found = layers(judge, variants, least);
+        match self {
+            Self::Forwards => found,
+            Self::BothWays => beside_one_another(judge, &whole(judge, variants, &planted(&found), least)),
+        }
+    }
+
+    /// How large they are.
+    fn sized(self, judge: &dyn Judge, variants: &[Variant], found: Vec<Layer>, least: &Least) -> Vec<Layer> {
+        match self {
+            Self::Forwards => sized(judge, variants, found, least),
+            Self::BothWays => sized_about_the_top(judge, variants, found, least),
+        }
+    }
+
+    /// What is left of them when each, and all of them at once, are thought of again.
+    fn again(self, judge: &dyn Judge, variants: &[Variant], found: Vec<Layer>, least: &Least) -> Vec<Layer> {
+        let mut found = thought_again(judge, variants, found, least);
+        let most = if self == Self::BothWays { AGAIN } else { 0 };
+        for _ in 0..most {
+            let before = planted(&found);
+            let all = whole(judge, variants, &before, least);
+            if judge.log_likelihood(&all) - judge.log_likelihood(&before) < GAINS_NOTHING_NATS
+                && all.len() == before.len()
+            {
+                break;
+            }
+            found = thought_again(judge, variants, beside_one_another(judge, &all), least);
+        }
+        found
+    }
 }
 
 /// The same of a robot of a make of which others are known: what they have, it is expected to have.
 ///
 /// # Errors
 /// [`CannotSee`] says what the log lacks.
-pub fn diagnose_among(nominal: &Library, variants: &[Variant], log: &Log, kin: &Kin) -> Result<Diagnosis, CannotSee> {
+pub fn diagnose_among(
+    nominal: &Library,
+    variants: &[Variant],
+    log: &Log,
+    kin: &Kin,
+    search: Search,
+) -> Result<Diagnosis, CannotSee> {
     let least = Least { kin: kin.clone(), ..LEAST };
     // A single landmark that stands elsewhere is a robot that does.
     let shows = |it: &&Variant| it.place() != Place::Scene || nominal.base.shape.landmarks > 1;
@@ -80,7 +139,7 @@ pub fn diagnose_among(nominal: &Library, variants: &[Variant], log: &Log, kin: &
         let of_others = |fold: usize| library.noisy_as(log, |t_s| folds.of(t_s) != fold, &with, before.get(fold));
         let noisy: Vec<Library> = (0..folds.count).into_par_iter().map(of_others).collect::<Result<_, _>>()?;
         let judge = Crossed::new(log, &noisy, folds)?;
-        found = layers(&judge, &variants, &least);
+        found = search.layers(&judge, &variants, &least);
         let likely = judge.log_likelihood(&planted(&found));
         if round < LOOKING {
             astray::add(&mut library.astray, &judge, &planted(&found));
@@ -91,7 +150,8 @@ pub fn diagnose_among(nominal: &Library, variants: &[Variant], log: &Log, kin: &
     }
     let (_, noisy, found) = best;
     let judge = Crossed::new(log, &noisy, folds)?;
-    let found = reconsidered(&judge, &variants, found, &least);
+    let found = search.again(&judge, &variants, found, &least);
+    let found = search.sized(&judge, &variants, found, &least);
     let astray_s = library.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
     let noise = noise::compared(nominal, &noisy);
     Ok(Diagnosis { astray_s: Some(astray_s), noise, ..assembled(&judge, &variants, &found) })

@@ -6,10 +6,13 @@
 //! law: the top may be anywhere on it, and says nothing. Of what is believed the middle counts.
 
 use asami_dataset::Seed;
+use asami_math::elementary::exp;
 
+use super::kin::Kin;
+use super::layers::{Layer, Least, next, of_what_counts, planted};
 use super::ridge::Ridge;
 use crate::judge::Judge;
-use crate::plant::Planted;
+use crate::plant::{Planted, Variant};
 
 /// What a real robot and its sensor err by hangs together for seconds, whatever the filter makes of it: what is said of an
 /// effect is weighed by blocks of this length.
@@ -23,6 +26,17 @@ pub struct Believed {
     /// In it with 90 %.
     pub interval: [f64; 2],
 }
+
+/// So many may be in the world besides those that are named.
+const UNNAMED: usize = 2;
+/// A world less probable than this is left out.
+const HARDLY: f64 = 0.02;
+
+/// Sizes that are believed are no less likely than the likeliest, in nats: of eight of them one in a thousand is.
+const LOST_NATS: f64 = 13.0;
+
+/// A Gaussian is within so many standard deviations with 90 %.
+const WITHIN_90: f64 = 1.645;
 
 /// The block in which each step is.
 pub fn blocks(judge: &dyn Judge) -> Vec<usize> {
@@ -42,6 +56,73 @@ pub struct World {
     pub effects: Vec<Planted>,
     /// How probable it is beside others, all of which make one.
     pub share: f64,
+}
+
+/// What the world may be, where these effects are named: they alone, and with others that are not worth a name. An effect's size
+/// hangs on what else there is, so that it would be said too surely, and with what others do put down to it, were there nothing
+/// (Hoeting et al. 1999, "Bayesian Model Averaging").
+fn worlds(judge: &dyn Judge, variants: &[Variant], named: &[Planted], least: &Least) -> Vec<World> {
+    // With the logarithm of how probable each is over the named ones alone.
+    let mut all = vec![(named.to_vec(), 0.0)];
+    let mut base = all[0].clone();
+    let unnamed = if named.is_empty() { 0 } else { UNNAMED };
+    for _ in 0..unnamed {
+        let likely = judge.log_likelihood(&base.0);
+        let further = next(judge, variants, least, &base.0, likely).into_iter().map(|(it, settled)| {
+            // Where more is asked for because the library may be off by as much, a nat counts so much less.
+            let counts = settled.counts * least.nats / least.gain(judge, &settled.effects, settled.likely);
+            let odds = base.1 + of_what_counts(&it, counts) - Kin::NONE.against_nats(it.effect);
+            (settled.effects, odds)
+        });
+        let further: Vec<(Vec<Planted>, f64)> = further.collect();
+        let likeliest = further.iter().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|it| it.1 > base.1).cloned();
+        all.extend(further);
+        let Some(likeliest) = likeliest else { break };
+        base = likeliest;
+    }
+    let top = all.iter().fold(f64::NEG_INFINITY, |top, it| top.max(it.1));
+    let whole = all.iter().fold(0.0, |sum, it| sum + exp(it.1 - top));
+    let shared = all.into_iter().map(|(effects, odds)| World { effects, share: exp(odds - top) / whole });
+    shared.filter(|it| it.share >= HARDLY).collect()
+}
+
+/// Layers at the sizes that are believed, whatever else there may be.
+#[must_use]
+pub fn sized(judge: &dyn Judge, variants: &[Variant], layers: Vec<Layer>, least: &Least) -> Vec<Layer> {
+    let found = believed(judge, &worlds(judge, variants, &planted(&layers), least));
+    with_sizes(layers, found)
+}
+
+/// The same, but about where the log is likeliest, and there alone, where what is believed is so much less likely that no ridge can
+/// lead there: a likelihood with several tops is bent like none of them.
+#[must_use]
+pub fn sized_about_the_top(judge: &dyn Judge, variants: &[Variant], layers: Vec<Layer>, least: &Least) -> Vec<Layer> {
+    let top = planted(&layers);
+    let sized = sized(judge, variants, layers.clone(), least);
+    if judge.log_likelihood(&planted(&sized)) > judge.log_likelihood(&top) - LOST_NATS {
+        return sized;
+    }
+    about_the_top(judge, layers).unwrap_or(sized)
+}
+
+/// Layers at the sizes that they have, as unsure as steps' scores say; `None` where the likelihood is not finite.
+fn about_the_top(judge: &dyn Judge, layers: Vec<Layer>) -> Option<Vec<Layer>> {
+    let top = planted(&layers);
+    let ridge = Ridge::about(judge, &top, blocks(judge))?;
+    let found = top.iter().zip(ridge.by_scores()).map(|(it, off)| {
+        let (least, greatest) = it.variant.sizes();
+        let end = |by: f64| (it.size * (1.0 + by * off)).clamp(least, greatest);
+        Believed { size: it.size, interval: [end(-WITHIN_90), end(WITHIN_90)] }
+    });
+    Some(with_sizes(layers, found.collect()))
+}
+
+fn with_sizes(mut layers: Vec<Layer>, found: Vec<Believed>) -> Vec<Layer> {
+    for (layer, believed) in layers.iter_mut().zip(found) {
+        layer.weighed.best.size = believed.size;
+        layer.weighed.interval = believed.interval;
+    }
+    layers
 }
 
 /// What is believed of the sizes of the effects that all these worlds have, the fewest of which the first has.
@@ -83,7 +164,10 @@ mod tests {
     use asami_math::elementary::{exp, ln};
 
     use super::*;
+    use crate::real::layers::{beside_one_another, settle};
     use crate::straight::Straight;
+
+    const LEAST: Least = Least { nats: 5.0, share: 0.0, share_together: 0.0, late_once: true, kin: Kin::NONE };
 
     fn alone(effects: &[Planted]) -> [World; 1] {
         [World { effects: effects.to_vec(), share: 1.0 }]
@@ -172,5 +256,50 @@ mod tests {
             let width = 0.5 * (found.interval[1] - found.interval[0]) / greatest;
             assert!((0.8..1.5).contains(&(width / half)), "{k}: {width} {half}");
         }
+    }
+
+    /// What is not worth a name may be there all the same, and what is named makes up for it: intervals allow for that.
+    #[test]
+    fn sizes_allow_for_what_else_there_may_be() {
+        let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
+        let of = |k: usize, share: f64| Planted { variant: kinds[k].clone(), size: share * kinds[k].sizes().1 };
+        let truth = [of(0, 0.5), of(1, 0.3)];
+        let wave = |t: usize, step: f64| (step * t as f64).sin();
+        // By itself the second wave is worth 4.4 nats: less than a name is.
+        let alike = |t: usize| wave(t, 0.37) + 0.7 * wave(t, 0.91);
+        let [mut held, mut alone] = [0, 0];
+        for seed in 0..40 {
+            let log = Straight::new(&truth, &[&|t| wave(t, 0.37), &alike], Seed(seed));
+            let named = settle(&log, vec![of(0, 0.5)]).effects;
+            let holds = |worlds: &[World]| {
+                let [low, high] = believed(&log, worlds)[0].interval;
+                low <= truth[0].size && truth[0].size <= high
+            };
+            let worlds = worlds(&log, &kinds, &named, &LEAST);
+            let shares: f64 = worlds.iter().map(|it| it.share).sum();
+            assert!((0.95..1.0 + 1e-9).contains(&shares), "{shares}");
+            held += usize::from(holds(&worlds));
+            alone += usize::from(holds(&[World { effects: named, share: 1.0 }]));
+        }
+        assert!(held >= 30 && alone <= 10, "{held} and {alone} of 40");
+    }
+
+    /// Where the likelihood has one top, what is believed is about it, and to look about it alone says the same.
+    #[test]
+    fn of_one_top_what_is_believed_is_about_it() {
+        let kind = Straight::kind("command_scale");
+        let at = |share: f64| Planted { variant: kind.clone(), size: share * kind.sizes().1 };
+        let log = Straight::new(&[at(0.5)], &[&|t| 9.0 * (0.37 * t as f64).sin()], Seed(5));
+        let named = || beside_one_another(&log, &settle(&log, vec![at(0.5)]).effects);
+        let kinds = std::slice::from_ref(&kind);
+        let of = |layers: Vec<Layer>| (layers[0].weighed.best.size, layers[0].weighed.interval);
+        let believed = of(sized(&log, kinds, named(), &LEAST));
+        assert_eq!(of(sized_about_the_top(&log, kinds, named(), &LEAST)), believed);
+        let (top, [low, high]) = of(about_the_top(&log, named()).unwrap());
+        assert_eq!(top, named()[0].weighed.best.size);
+        assert!(
+            (low / believed.1[0] - 1.0).abs() < 0.02 && (high / believed.1[1] - 1.0).abs() < 0.02,
+            "{low} to {high}"
+        );
     }
 }
