@@ -74,7 +74,7 @@ pub enum Search {
     /// One after another, beside what was found before.
     #[default]
     Forwards,
-    /// So, and then backwards from there with all of them at once ([`whole`]): whichever is worth more.
+    /// So, and then backwards from there with all of them at once: whichever is worth more.
     BothWays,
 }
 
