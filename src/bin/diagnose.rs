@@ -101,7 +101,7 @@ fn main() -> ExitCode {
             calibrate: arguments.calibrate,
             real: arguments.real,
             kin: kin::read(&arguments.kin)?,
-            search: if arguments.both_ways { Search::BothWays } else { Search::Forwards },
+            search: Search::of(arguments.both_ways),
             picture_period_s: clocks.picture_period_s,
             command_cycle_s: clocks.command_cycle_s,
             notes: clocks.said,

@@ -268,6 +268,9 @@ impl Answer {
                 BY_PEDALS
             };
             notes.push(by.to_owned());
+            if car && asked.search == Search::BothWays {
+                notes.push("effects of a car are found one after another alone".to_owned());
+            }
             let robots = asked.kin.robots();
             if robots > 0 && car {
                 notes.push("what other cars of its make have is not asked of a car".to_owned());

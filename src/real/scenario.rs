@@ -91,7 +91,7 @@ impl Source {
     /// In which order its effects are found.
     #[must_use]
     pub fn search(&self) -> Search {
-        if self.both_ways { Search::BothWays } else { Search::Forwards }
+        Search::of(self.both_ways)
     }
 }
 
@@ -195,6 +195,10 @@ mod tests {
     fn a_scenario_of_real_logs_is_read_and_others_are_left_to_others() {
         let real = parse("r", "r.toml", TEXT).unwrap().unwrap();
         assert_eq!(real.asked.logs[0].robots, Some(vec![1, 2]));
+        assert_eq!(real.asked.logs[0].search(), Search::Forwards);
+        let both = parse("r", "r.toml", &TEXT.replace("nominal =", "both_ways = true\nnominal =")).unwrap().unwrap();
+        assert_eq!(both.asked.logs[0].search(), Search::BothWays);
+        assert_ne!(both.hash(), real.hash(), "cases of the one are none of the other");
         assert_eq!(parse("r", "r.toml", &TEXT.replace("\"real\"", "\"line\"")).unwrap(), None);
         assert_eq!(parse("r", "r.toml", "no = [toml").unwrap(), None);
     }

@@ -72,7 +72,7 @@ mod tests {
     use super::*;
     use crate::answer::diagnosis::Cause;
     use crate::plant::Planted;
-    use crate::real::layers::{Least, layers};
+    use crate::real::layers::{ANY_SHARE, Least, layers};
     use crate::straight::Straight;
 
     /// A robot that has these effects with a probability, and nobody knows what else.
@@ -112,7 +112,7 @@ mod tests {
             let truth: Vec<Planted> =
                 truth.map(|(share, variant)| Planted { size: share * variant.sizes().1, variant }).collect();
             let log = Straight::new(&truth, &[&|t| wave(t, 0.37), &|t| wave(t, 0.91)], Seed(3));
-            let least = Least { nats: 5.0, share: 0.0, share_together: 0.0, late_once: true, kin: Kin::of(others) };
+            let least = Least { kin: Kin::of(others), ..ANY_SHARE };
             layers(&log, &kinds, &least).iter().map(|it| it.weighed.effect).collect()
         };
         let with: Vec<Diagnosis> = (0..4).map(|_| having(&["command_scale", "wheel_base"], 1.0)).collect();

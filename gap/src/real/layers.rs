@@ -92,6 +92,11 @@ impl Least {
         self.late_once && variant.place() == Place::Actuation && variant.block() == Block::Timing
     }
 
+    /// What effects are worth that are named together: how likely they make a log, less what each name takes.
+    pub(super) fn worth(&self, judge: &dyn Judge, all: &[Planted]) -> f64 {
+        judge.log_likelihood(all) - self.nats * all.len() as f64
+    }
+
     /// What the last of these effects must gain, all of which together are so likely.
     pub(super) fn gain(&self, judge: &dyn Judge, all: &[Planted], likely: f64) -> f64 {
         let moves = |it: &Planted| matches!(it.variant.place(), Place::Actuation | Place::Dynamics);
@@ -330,14 +335,17 @@ pub(super) fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
     Settled { effects: all, likely: total(&here), counts }
 }
 
+/// Of tests, in which nothing is off but what is meant to be.
+#[cfg(test)]
+pub(super) const ANY_SHARE: Least =
+    Least { nats: 5.0, share: 0.0, share_together: 0.0, late_once: true, kin: Kin::NONE };
+
 #[cfg(test)]
 mod tests {
     use asami_dataset::Seed;
 
     use super::*;
     use crate::straight::Straight;
-
-    const LEAST: Least = Least { nats: 5.0, share: 0.0, share_together: 0.0, late_once: true, kin: Kin::NONE };
 
     /// What gains more than another effect, but all of it in two blocks of twenty, neither takes its place nor has it dropped.
     #[test]
@@ -350,10 +358,10 @@ mod tests {
         // Once for it, and once against.
         (0..20).for_each(|t| log.measured[60 + t] += 0.9 * twice(60 + t));
         (0..20).for_each(|t| log.measured[260 + t] -= 0.2 * twice(260 + t));
-        let found = layers(&log, &kinds, &LEAST);
+        let found = layers(&log, &kinds, &ANY_SHARE);
         let first = found.first().map(|it| it.weighed.effect);
         assert_eq!((first, found.len()), (Some("wheel_base"), 2), "by nats alone");
-        let found = reconsidered(&log, &kinds, found, &LEAST);
+        let found = reconsidered(&log, &kinds, found, &ANY_SHARE);
         let names: Vec<&str> = found.iter().map(|it| it.weighed.effect).collect();
         assert_eq!(names, ["command_scale"]);
         let [low, high] = found[0].weighed.interval;

@@ -79,6 +79,12 @@ pub enum Search {
 }
 
 impl Search {
+    /// As it is asked for.
+    #[must_use]
+    pub fn of(both_ways: bool) -> Self {
+        if both_ways { Self::BothWays } else { Self::Forwards }
+    }
+
     /// Effects found, by noise as it is known so far.
     fn layers(self, judge: &dyn Judge, variants: &[Variant], least: &Least) -> Vec<Layer> {
         let found = layers(judge, variants, least);
@@ -103,12 +109,11 @@ impl Search {
         for _ in 0..most {
             let before = planted(&found);
             let all = whole(judge, variants, &before, least);
-            if judge.log_likelihood(&all) - judge.log_likelihood(&before) < GAINS_NOTHING_NATS
-                && all.len() == before.len()
-            {
+            let next = thought_again(judge, variants, beside_one_another(judge, &all), least);
+            if least.worth(judge, &planted(&next)) - least.worth(judge, &before) < GAINS_NOTHING_NATS {
                 break;
             }
-            found = thought_again(judge, variants, beside_one_another(judge, &all), least);
+            found = next;
         }
         found
     }

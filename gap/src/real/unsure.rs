@@ -97,12 +97,15 @@ pub fn sized(judge: &dyn Judge, variants: &[Variant], layers: Vec<Layer>, least:
 /// lead there: a likelihood with several tops is bent like none of them.
 #[must_use]
 pub fn sized_about_the_top(judge: &dyn Judge, variants: &[Variant], layers: Vec<Layer>, least: &Least) -> Vec<Layer> {
-    let top = planted(&layers);
     let sized = sized(judge, variants, layers.clone(), least);
-    if judge.log_likelihood(&planted(&sized)) > judge.log_likelihood(&top) - LOST_NATS {
-        return sized;
-    }
-    about_the_top(judge, layers).unwrap_or(sized)
+    or_about_the_top(judge, sized, layers)
+}
+
+/// Layers as they are sized, or as they are likeliest where those are lost.
+fn or_about_the_top(judge: &dyn Judge, sized: Vec<Layer>, top: Vec<Layer>) -> Vec<Layer> {
+    let likely = |layers: &[Layer]| judge.log_likelihood(&planted(layers));
+    let is_lost = likely(&sized) < likely(&top) - LOST_NATS;
+    is_lost.then(|| about_the_top(judge, top)).flatten().unwrap_or(sized)
 }
 
 /// Layers at the sizes that they have, as unsure as steps' scores say; `None` where the likelihood is not finite.
@@ -164,10 +167,8 @@ mod tests {
     use asami_math::elementary::{exp, ln};
 
     use super::*;
-    use crate::real::layers::{beside_one_another, settle};
+    use crate::real::layers::{ANY_SHARE as LEAST, beside_one_another, settle};
     use crate::straight::Straight;
-
-    const LEAST: Least = Least { nats: 5.0, share: 0.0, share_together: 0.0, late_once: true, kin: Kin::NONE };
 
     fn alone(effects: &[Planted]) -> [World; 1] {
         [World { effects: effects.to_vec(), share: 1.0 }]
@@ -284,9 +285,10 @@ mod tests {
         assert!(held >= 30 && alone <= 10, "{held} and {alone} of 40");
     }
 
-    /// Where the likelihood has one top, what is believed is about it, and to look about it alone says the same.
+    /// Where the likelihood has one top, what is believed is about it, and to look about it alone says the same. Sizes that are far from
+    /// it are not believed, those that are near are.
     #[test]
-    fn of_one_top_what_is_believed_is_about_it() {
+    fn what_is_believed_is_about_a_top() {
         let kind = Straight::kind("command_scale");
         let at = |share: f64| Planted { variant: kind.clone(), size: share * kind.sizes().1 };
         let log = Straight::new(&[at(0.5)], &[&|t| 9.0 * (0.37 * t as f64).sin()], Seed(5));
@@ -295,7 +297,12 @@ mod tests {
         let of = |layers: Vec<Layer>| (layers[0].weighed.best.size, layers[0].weighed.interval);
         let believed = of(sized(&log, kinds, named(), &LEAST));
         assert_eq!(of(sized_about_the_top(&log, kinds, named(), &LEAST)), believed);
-        let (top, [low, high]) = of(about_the_top(&log, named()).unwrap());
+        let off = |by: f64| {
+            with_sizes(named(), vec![Believed { size: by * named()[0].weighed.best.size, interval: [0.0; 2] }])
+        };
+        let kept = |by: f64| of(or_about_the_top(&log, off(by), named()));
+        assert_eq!(kept(1.02), of(off(1.02)));
+        let (top, [low, high]) = kept(1.3);
         assert_eq!(top, named()[0].weighed.best.size);
         assert!(
             (low / believed.1[0] - 1.0).abs() < 0.02 && (high / believed.1[1] - 1.0).abs() < 0.02,

@@ -25,7 +25,7 @@ const NOTHING: f64 = 1e-9;
 const TRIED: usize = 3;
 
 /// An effect of any size to either side of nothing, as far as it has sides.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 struct Knob<'a> {
     below: Option<&'a Variant>,
     above: Option<&'a Variant>,
@@ -72,13 +72,13 @@ impl<'a> Knob<'a> {
     }
 
     /// The same at another size, or at the end of its law.
-    fn at(&self, size: f64) -> Self {
+    fn at(self, size: f64) -> Self {
         let end = |side: Option<&Variant>| if side.is_some() { self.most() } else { 0.0 };
-        Self { size: size.clamp(-end(self.below), end(self.above)), ..self.clone() }
+        Self { size: size.clamp(-end(self.below), end(self.above)), ..self }
     }
 
     /// The same a little larger, or smaller where it is at its upper end.
-    fn beside(&self) -> Self {
+    fn beside(self) -> Self {
         let larger = self.at(self.size + DIFFERENCE);
         if larger.size > self.size { larger } else { self.at(self.size - DIFFERENCE) }
     }
@@ -100,7 +100,6 @@ fn planted(knobs: &[Knob]) -> Vec<Planted> {
 }
 
 /// Effects at their likeliest sizes.
-#[derive(Clone)]
 struct Fit<'a> {
     knobs: Vec<Knob<'a>>,
     /// The log-likelihood.
@@ -200,8 +199,7 @@ pub fn whole(judge: &dyn Judge, variants: &[Variant], before: &[Planted], least:
         fit = fewer;
     }
     let found = planted(&fit.knobs);
-    let worth = |all: &[Planted], likely: f64| likely - least.nats * all.len() as f64;
-    if worth(&found, fit.likely) > worth(before, judge.log_likelihood(before)) { found } else { before.to_vec() }
+    if least.worth(judge, &found) > least.worth(judge, before) { found } else { before.to_vec() }
 }
 
 #[cfg(test)]
@@ -209,11 +207,8 @@ mod tests {
     use asami_dataset::Seed;
 
     use super::*;
-    use crate::real::kin::Kin;
-    use crate::real::layers::{layers, planted as of_layers};
+    use crate::real::layers::{ANY_SHARE as LEAST, layers, planted as of_layers};
     use crate::straight::Straight;
-
-    const LEAST: Least = Least { nats: 5.0, share: 0.0, share_together: 0.0, late_once: true, kin: Kin::NONE };
 
     fn names(found: &[Planted]) -> Vec<&str> {
         found.iter().map(|it| it.variant.about.name).collect()
