@@ -35,7 +35,7 @@ use crossed::Crossed;
 use folds::Folds;
 use kin::Kin;
 use layers::{Layer, Least, Rival, beside_one_another, layers, planted, thought_again};
-use unsure::{sized, sized_about_the_top};
+use unsure::{sized, sized_or_at_the_top};
 use whole::whole;
 
 /// Noise is learned, effects are named, and again, for the noise is what the effects leave; the likeliest of these counts.
@@ -98,7 +98,7 @@ impl Search {
     fn sized(self, judge: &dyn Judge, variants: &[Variant], found: Vec<Layer>, least: &Least) -> Vec<Layer> {
         match self {
             Self::Forwards => sized(judge, variants, found, least),
-            Self::BothWays => sized_about_the_top(judge, variants, found, least),
+            Self::BothWays => sized_or_at_the_top(judge, variants, found, least),
         }
     }
 

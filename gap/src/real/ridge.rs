@@ -142,16 +142,6 @@ impl Ridge {
         Some((curvature, top))
     }
 
-    /// Standard deviations of sizes, as shares of them, as steps' scores alone have it, or as blocks' do where that is more: whichever
-    /// way the likelihood bends.
-    pub fn by_scores(&self) -> Vec<f64> {
-        let Some(curvature) = Curvature::new(&self.scores, NEXT_TO_NOTHING) else {
-            return vec![f64::INFINITY; self.middle.len()];
-        };
-        let wider = wider(&curvature, &self.scores, &self.block);
-        curvature.variances().into_iter().zip(wider).map(|(var, wider)| var.sqrt() * wider).collect()
-    }
-
     /// Logarithm of the density of what is believed, less what is the same everywhere: laws are even in a size's logarithm.
     fn density(&self, sizes: &[f64]) -> f64 {
         let within = sizes.iter().zip(&self.laws).all(|(size, [least, greatest])| (least..=greatest).contains(&size));

@@ -35,9 +35,6 @@ const HARDLY: f64 = 0.02;
 /// Sizes that are believed are no less likely than the likeliest, in nats: of eight of them one in a thousand is.
 const LOST_NATS: f64 = 13.0;
 
-/// A Gaussian is within so many standard deviations with 90 %.
-const WITHIN_90: f64 = 1.645;
-
 /// The block in which each step is.
 pub fn blocks(judge: &dyn Judge) -> Vec<usize> {
     let numbered = judge.steps().iter().scan((0, None), |(block, before), step| {
@@ -93,31 +90,26 @@ pub fn sized(judge: &dyn Judge, variants: &[Variant], layers: Vec<Layer>, least:
     with_sizes(layers, found)
 }
 
-/// The same, but about where the log is likeliest, and there alone, where what is believed is so much less likely that no ridge can
-/// lead there: a likelihood with several tops is bent like none of them.
+/// The same, but at the sizes that the layers have where what is believed is so much less likely than those that no ridge can lead there:
+/// a likelihood with several tops is bent like none of them. How unsure they are then is taken to be how far
+/// off what is believed reaches, to either side.
 #[must_use]
-pub fn sized_about_the_top(judge: &dyn Judge, variants: &[Variant], layers: Vec<Layer>, least: &Least) -> Vec<Layer> {
-    let sized = sized(judge, variants, layers.clone(), least);
-    or_about_the_top(judge, sized, layers)
-}
-
-/// Layers as they are sized, or as they are likeliest where those are lost.
-fn or_about_the_top(judge: &dyn Judge, sized: Vec<Layer>, top: Vec<Layer>) -> Vec<Layer> {
-    let likely = |layers: &[Layer]| judge.log_likelihood(&planted(layers));
-    let is_lost = likely(&sized) < likely(&top) - LOST_NATS;
-    is_lost.then(|| about_the_top(judge, top)).flatten().unwrap_or(sized)
-}
-
-/// Layers at the sizes that they have, as unsure as steps' scores say; `None` where the likelihood is not finite.
-fn about_the_top(judge: &dyn Judge, layers: Vec<Layer>) -> Option<Vec<Layer>> {
+pub fn sized_or_at_the_top(judge: &dyn Judge, variants: &[Variant], layers: Vec<Layer>, least: &Least) -> Vec<Layer> {
     let top = planted(&layers);
-    let ridge = Ridge::about(judge, &top, blocks(judge))?;
-    let found = top.iter().zip(ridge.by_scores()).map(|(it, off)| {
+    or_at_the_top(judge, sized(judge, variants, layers, least), &top)
+}
+
+fn or_at_the_top(judge: &dyn Judge, sized: Vec<Layer>, top: &[Planted]) -> Vec<Layer> {
+    if judge.log_likelihood(&planted(&sized)) >= judge.log_likelihood(top) - LOST_NATS {
+        return sized;
+    }
+    let at_top = sized.iter().zip(top).map(|(layer, it)| {
         let (least, greatest) = it.variant.sizes();
-        let end = |by: f64| (it.size * (1.0 + by * off)).clamp(least, greatest);
-        Believed { size: it.size, interval: [end(-WITHIN_90), end(WITHIN_90)] }
+        let far = layer.weighed.interval.map(|end| (end - it.size).abs()).into_iter().fold(0.0, f64::max);
+        Believed { size: it.size, interval: [-far, far].map(|off| (it.size + off).clamp(least, greatest)) }
     });
-    Some(with_sizes(layers, found.collect()))
+    let at_top = at_top.collect();
+    with_sizes(sized, at_top)
 }
 
 fn with_sizes(mut layers: Vec<Layer>, found: Vec<Believed>) -> Vec<Layer> {
@@ -285,28 +277,26 @@ mod tests {
         assert!(held >= 30 && alone <= 10, "{held} and {alone} of 40");
     }
 
-    /// Where the likelihood has one top, what is believed is about it, and to look about it alone says the same. Sizes that are far from
-    /// it are not believed, those that are near are.
+    /// Sizes that are far from where the log is likeliest are not believed, those that are near are.
     #[test]
-    fn what_is_believed_is_about_a_top() {
+    fn what_is_lost_is_not_believed() {
         let kind = Straight::kind("command_scale");
         let at = |share: f64| Planted { variant: kind.clone(), size: share * kind.sizes().1 };
         let log = Straight::new(&[at(0.5)], &[&|t| 9.0 * (0.37 * t as f64).sin()], Seed(5));
-        let named = || beside_one_another(&log, &settle(&log, vec![at(0.5)]).effects);
-        let kinds = std::slice::from_ref(&kind);
+        let top = settle(&log, vec![at(0.5)]).effects;
+        let named = || beside_one_another(&log, &top);
         let of = |layers: Vec<Layer>| (layers[0].weighed.best.size, layers[0].weighed.interval);
+        let kinds = std::slice::from_ref(&kind);
         let believed = of(sized(&log, kinds, named(), &LEAST));
-        assert_eq!(of(sized_about_the_top(&log, kinds, named(), &LEAST)), believed);
-        let off = |by: f64| {
-            with_sizes(named(), vec![Believed { size: by * named()[0].weighed.best.size, interval: [0.0; 2] }])
-        };
-        let kept = |by: f64| of(or_about_the_top(&log, off(by), named()));
-        assert_eq!(kept(1.02), of(off(1.02)));
-        let (top, [low, high]) = kept(1.3);
-        assert_eq!(top, named()[0].weighed.best.size);
-        assert!(
-            (low / believed.1[0] - 1.0).abs() < 0.02 && (high / believed.1[1] - 1.0).abs() < 0.02,
-            "{low} to {high}"
-        );
+        assert_eq!(of(sized_or_at_the_top(&log, kinds, named(), &LEAST)), believed);
+        let size = top[0].size;
+        let off = |by: f64| Believed { size: by * size, interval: [(by - 0.1) * size, (by + 0.1) * size] };
+        let kept = |by: f64| of(or_at_the_top(&log, with_sizes(named(), vec![off(by)]), &top));
+        assert_eq!(kept(1.02), (off(1.02).size, off(1.02).interval));
+        for by in [1.3, 0.7] {
+            let (kept, [low, high]) = kept(by);
+            assert_eq!(kept, size);
+            assert!((low / size - 0.6).abs() < 1e-9 && (high / size - 1.4).abs() < 1e-9, "{low} to {high}");
+        }
     }
 }
