@@ -152,6 +152,13 @@ impl Shape {
         if known { [numbers[at], numbers[at + 1]] } else { [0.0; 2] }
     }
 
+    /// Of ranges, the size's column that is the distance, and those of what is off by a share of it; `None` of heights.
+    #[must_use]
+    pub fn proportional(&self) -> Option<(usize, impl Iterator<Item = usize> + use<>)> {
+        let extra = self.curve_width();
+        self.ranges.then_some((1, [2, extra, extra + 3].into_iter()))
+    }
+
     /// Fills the size's columns, and their derivatives with respect to the distance for those of its curve.
     pub fn size_columns(&self, sight: &Sight, columns: &mut [f64], slopes: &mut [f64; 4]) {
         columns.fill(0.0);

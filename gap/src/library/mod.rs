@@ -6,6 +6,7 @@ mod between;
 mod entry;
 mod gauge;
 mod passing;
+mod scaling;
 mod swaying;
 
 use asami_dataset::{Dataset, Log, Seed};
@@ -192,15 +193,20 @@ impl Library {
     pub fn numbers(&self, planted: &[Planted]) -> Vec<f64> {
         let Base { shape, numbers: base, .. } = &self.base;
         let passing = if planted.len() > 1 { Passing::new(&shape.columns, base) } else { None };
+        let less = |of: &[f64], than: &[f64]| of.iter().zip(than).map(|(a, b)| a - b).collect::<Vec<f64>>();
         let mut numbers = base.clone();
         for (k, Planted { variant, size }) in planted.iter().enumerate() {
             let Some(entry) = self.entry(variant) else { continue };
             let before = numbers.clone();
             entry.add(shape, *size, &mut numbers);
-            if let Some(passing) = passing.as_ref().filter(|_| k > 0) {
-                let less = |of: &[f64], than: &[f64]| of.iter().zip(than).map(|(a, b)| a - b).collect::<Vec<f64>>();
-                passing.add(&less(&before, base), &less(&numbers, &before), &mut numbers);
+            if k == 0 {
+                continue;
             }
+            let (others, change) = (less(&before, base), less(&numbers, &before));
+            if let Some(passing) = &passing {
+                passing.add(&others, &change, &mut numbers);
+            }
+            scaling::add(shape, base, &others, &change, &mut numbers);
         }
         numbers
     }
