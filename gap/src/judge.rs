@@ -10,8 +10,9 @@ pub trait Judge: Sync {
     /// The response of the nominal world with these effects in it; one that nothing is known of changes nothing.
     fn numbers(&self, planted: &[Planted]) -> Vec<f64>;
 
-    /// Whether it is known what effects on motion make of one another, and not only what each does by itself.
-    fn knows_motion_together(&self) -> bool {
+    /// Whether it is known what effects make of one another, and not only what each does by itself: those on motion, or those on what a
+    /// sensor makes of it.
+    fn knows_together(&self, _motion: bool) -> bool {
         false
     }
 

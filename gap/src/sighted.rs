@@ -106,8 +106,8 @@ impl Judge for Sighted<'_> {
         self.library.numbers(planted)
     }
 
-    fn knows_motion_together(&self) -> bool {
-        self.library.knows_motion_together()
+    fn knows_together(&self, motion: bool) -> bool {
+        self.library.knows_together(motion)
     }
 
     /// Where nobody knows what was missed, an effect by which more is missed does not show.

@@ -242,8 +242,9 @@ fn held(records: &[Record]) -> Table {
         ["log", "robot", "parameter", "unit", "found", "90 % interval", "motion capture", "first half", "second half"];
     let mut table = Table::new("Sizes found in real logs, beside motion capture", &heads).caption(
         "Motion capture's numbers are of all discrepancies together, but where of a delay and a lag, or of a focal length and a lens, \
-         one is named that one alone; a lag is on top of the nominal robot's own, a scale of ranges beside a focal length what \
-         that leaves of it. Capture has a clock and a heading of its own: what a camera is late, or turned \
+         one is named that one alone, and where no scale of commands is named, what is lost in turns is of a robot without one; a scale of \
+         commands is one of turns, too, and a wheel base beside it what that leaves of them; a lag is on top of the nominal robot's own, a \
+         scale of ranges beside a focal length what that leaves of it. Capture has a clock and a heading of its own: what a camera is late, or turned \
          against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing.",
     );
     for record in records.iter().filter(|record| record.part == Part::Whole) {

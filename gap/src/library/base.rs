@@ -35,8 +35,10 @@ pub struct Base {
     pub shape: Shape,
     /// The numbers.
     pub numbers: Vec<f64>,
-    /// What the runs with their truth show of them, from which effects' changes are counted.
+    /// What the runs with their truth show of them.
     pub(super) fitted: Vec<f64>,
+    /// What those of them show whose seeds runs with effects have, from which effects' changes are counted.
+    pub(super) alike: Vec<f64>,
     /// What of every log is taken away first.
     pub rhythm: Rhythm,
     /// How innovations hang on those before them.
@@ -52,7 +54,17 @@ impl Base {
         let seeds: Vec<u64> = (0..budget.nominal_runs).collect();
         let runs: Result<Vec<Dataset>, CannotPlay> =
             seeds.into_par_iter().map(|i| play(nominal, &[], Seed(FIRST_SEED + i), budget.run_s)).collect();
-        Self::of(&runs?).ok_or(CannotLearn::Blind)
+        let runs = runs?;
+        let base = Self::of(&runs).ok_or(CannotLearn::Blind)?;
+        Ok(Self { alike: base.alike(&runs[..runs.len().min(budget.runs as usize)]), ..base })
+    }
+
+    /// What these runs show by themselves, if wheels take the same noise from a seed whatever effect there is: counted from what all show,
+    /// every effect would change what the noise of its own few runs happens to be, and the more of them are named, the more of that would be
+    /// there. Gaits soon part ways.
+    fn alike(&self, runs: &[Dataset]) -> Vec<f64> {
+        let rolls = self.shape.columns.in_turns().is_some();
+        if rolls { fit::nominal(&self.shape, &self.rhythm, runs) } else { self.fitted.clone() }
     }
 
     /// The response that runs of the nominal world show; `None` where no landmark is seen in them.
@@ -63,7 +75,7 @@ impl Base {
         let rhythm = fit::rhythm(&shape, runs);
         let numbers = fit::nominal(&shape, &rhythm, runs);
         let memory = remembered(&shape, &rhythm, &numbers, runs);
-        let mut base = Self { shape, fitted: numbers.clone(), numbers, rhythm, memory };
+        let mut base = Self { shape, fitted: numbers.clone(), alike: numbers.clone(), numbers, rhythm, memory };
         if base.memory.sways() {
             (base.numbers, base.memory) = base.swaying(runs);
         }

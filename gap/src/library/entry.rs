@@ -95,11 +95,11 @@ impl Entry {
         let greatest = sizes.last().copied().unwrap_or(1.0);
         let runs: Vec<(f64, &[Dataset])> = runs.iter().map(|(size, runs)| (size / greatest, runs.as_slice())).collect();
         let free = Free { wear: variant.block() == Block::Drift };
-        let nominal = (&base.rhythm, base.fitted.as_slice());
+        let nominal = (&base.rhythm, base.alike.as_slice());
         let smooth = run(variant) == Run::Polynomial;
         let responses = changed(&base.shape, nominal, &runs, free, Touch::of(variant), smooth);
         let change = |(with, runs): (Vec<f64>, &[Dataset])| {
-            let change = with.iter().zip(&base.fitted).map(|(with, without)| with - without).collect();
+            let change = with.iter().zip(&base.alike).map(|(with, without)| with - without).collect();
             base.played(change, runs, Touch::of(variant))
         };
         let runs: Vec<&[Dataset]> = runs.into_iter().map(|(_, runs)| runs).collect();

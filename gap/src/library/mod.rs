@@ -182,10 +182,11 @@ impl Library {
         self.entries.iter().find(|entry| entry.kind == name)
     }
 
-    /// Whether effects on motion pass through one another; what else is of several at once is added up.
+    /// Whether effects on motion pass through one another, or those on sightings do; what else is of several at once is added up.
     #[must_use]
-    pub fn knows_motion_together(&self) -> bool {
-        Passing::new(&self.base.shape.columns, &self.base.numbers).is_some()
+    pub fn knows_together(&self, motion: bool) -> bool {
+        let Base { shape, numbers, .. } = &self.base;
+        if motion { Passing::new(&shape.columns, numbers).is_some() } else { shape.proportional().is_some() }
     }
 
     /// The response with these effects in it; one that the library does not know changes nothing.

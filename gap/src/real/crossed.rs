@@ -90,8 +90,8 @@ impl Judge for Crossed<'_> {
         self.first().numbers(planted)
     }
 
-    fn knows_motion_together(&self) -> bool {
-        self.first().knows_motion_together()
+    fn knows_together(&self, motion: bool) -> bool {
+        self.first().knows_together(motion)
     }
 
     fn knows(&self, variant: &Variant) -> bool {

@@ -66,7 +66,7 @@ pub struct Least {
     /// One that adds less than this share to what all of its kind explain, the robot's motion or what its sensor makes of it:
     /// the response to a large effect is not known to the last nat, and small ones would make up for what it is off.
     pub share: f64,
-    /// The share for motion of which it is known what effects make of one another.
+    /// The share where it is known what effects of its kind make of one another.
     pub share_together: f64,
     /// Whether of two ways in which commands come late one is enough: a log hardly tells a lag behind a delay from either.
     pub late_once: bool,
@@ -102,7 +102,7 @@ impl Least {
         let moves = |it: &Planted| matches!(it.variant.place(), Place::Actuation | Place::Dynamics);
         let Some(last) = all.last() else { return self.nats };
         let others: Vec<Planted> = all.iter().filter(|it| moves(it) != moves(last)).cloned().collect();
-        let share = if moves(last) && judge.knows_motion_together() { self.share_together } else { self.share };
+        let share = if judge.knows_together(moves(last)) { self.share_together } else { self.share };
         self.nats.max(share * (likely - judge.log_likelihood(&others)))
     }
 }

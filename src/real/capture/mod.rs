@@ -43,11 +43,13 @@ pub struct Capture {
     pub shares: Vec<(&'static str, f64)>,
 }
 
-/// Values that hold where all of some effects are there.
-#[derive(Clone, Debug, PartialEq)]
+/// Values that hold where all of some effects are there, and another is not.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Together {
     /// Their names.
     pub of: &'static [&'static str],
+    /// The other's.
+    pub without: Option<&'static str>,
     /// The values, by `NAME.PARAM`.
     pub values: BTreeMap<String, f64>,
 }
@@ -56,7 +58,8 @@ impl Capture {
     /// Has values be those beside what is named with them.
     pub fn suit(&mut self, named: &[&str]) {
         for mut together in std::mem::take(&mut self.together) {
-            if together.of.iter().all(|name| named.contains(name)) {
+            let there = |name: &&str| named.contains(name);
+            if together.of.iter().all(there) && !together.without.iter().any(there) {
                 self.values.append(&mut together.values);
             }
         }
@@ -217,12 +220,31 @@ mod tests {
     fn what_is_named_has_the_sizes_that_suit_it() {
         let mut found = capture(&log(0.3, 0.0), 0.0);
         let (alone, together) = (found.values.clone(), found.together[0].values.clone());
-        found.clone().suit(&["wheel_lag", "turn_slowing"]);
+        found.clone().suit(&["wheel_lag", "turn_slowing", "command_scale"]);
         assert_eq!(found.values, alone);
         found.suit(&["wheel_lag", "command_delay"]);
         assert_eq!(found.values["wheel_lag.lag_s"], together["wheel_lag.lag_s"]);
         assert!((found.values["command_delay.delay_s"] - 0.3).abs() < 0.021 && found.values["wheel_lag.lag_s"] < 0.03);
         assert!(alone["wheel_lag.lag_s"] > 0.1);
+    }
+
+    /// A scale of commands makes a robot that goes 0.9 times as fast as told turn so as well: beside it wheels are too close together by
+    /// as much. Without one, what it lacks is taken for what it loses in turns.
+    #[test]
+    fn a_scale_that_is_named_or_not_is_counted_in() {
+        let found = capture(&log(0.3, 0.0), 0.0);
+        let named = |names: &[&str]| {
+            let mut found = found.clone();
+            found.suit(names);
+            found.values
+        };
+        let scaled = named(&["wheel_base", "turn_slowing", "command_scale"]);
+        assert!((scaled["wheel_base.ratio"] - 0.9 / 0.8).abs() < 0.015, "{scaled:?}");
+        assert!((scaled["command_scale.theta_ratio"] - 0.9).abs() < 0.005, "{scaled:?}");
+        assert!((scaled["turn_slowing.loss_s2"] - 2.0).abs() < 0.05, "{scaled:?}");
+        let unscaled = named(&["wheel_base", "turn_slowing"]);
+        assert!((unscaled["wheel_base.ratio"] - 1.0 / 0.8).abs() < 0.015, "{unscaled:?}");
+        assert!(unscaled["turn_slowing.loss_s2"] > 2.5, "{unscaled:?}");
     }
 
     /// How markers were put on a robot says nothing of the robot.

@@ -40,6 +40,10 @@ const ALL: Free = Free { scaled: true, slowed: true, bent: true };
 /// What a delay and a lag are called that capture shows.
 const DELAY: &str = "command_delay.delay_s";
 const LAG: &str = "wheel_lag.lag_s";
+/// What hangs on whether a scale of commands is named.
+const SCALE: &str = "command_scale";
+const BASE: &str = "wheel_base.ratio";
+const SLOWING: &str = "turn_slowing.loss_s2";
 
 /// Commands behind every lag that is tried, the shortest first.
 struct Lags(Vec<Commanded>);
@@ -171,8 +175,8 @@ pub(super) fn motion(dataset: &Dataset, windows: &mut [Window], own_lag_s: f64, 
     for (name, value) in [
         ("command_scale.y_ratio", found.forward),
         ("command_scale.theta_ratio", found.turn),
-        ("wheel_base.ratio", 1.0 / found.turn),
-        ("turn_slowing.loss_s2", found.loss_s2),
+        (BASE, 1.0 / found.turn),
+        (SLOWING, found.loss_s2),
         ("unequal_wheels.ratio", 1.0 + BASE_M * found.bend_rad_per_m),
         (DELAY, delayed.delay_s),
         (LAG, own(lagged.lag_s)),
@@ -181,6 +185,19 @@ pub(super) fn motion(dataset: &Dataset, windows: &mut [Window], own_lag_s: f64, 
             capture.values.insert(name.to_owned(), value);
         }
     }
-    let values = [(DELAY, found.late.delay_s), (LAG, own(found.late.lag_s))].map(|(name, s)| (name.to_owned(), s));
-    capture.together.push(Together { of: &["command_delay", "wheel_lag"], values: values.into() });
+    let unscaled = lags.fit(windows, found.late, Free { scaled: false, ..ALL });
+    let of_late = [(DELAY, found.late.delay_s), (LAG, own(found.late.lag_s))];
+    let scaled = [(BASE, found.forward / found.turn), ("command_scale.theta_ratio", found.forward)];
+    let unscaled = [(SLOWING, unscaled.map_or(f64::NAN, |it| it.loss_s2))];
+    let values = |of: &[(&str, f64)]| {
+        let shown = of.iter().filter(|(_, value)| value.is_finite());
+        shown.map(|(name, value)| ((*name).to_owned(), *value)).collect()
+    };
+    capture.together.extend([
+        Together { of: &["command_delay", "wheel_lag"], values: values(&of_late), ..Together::default() },
+        // A scale of commands is one of turns, too.
+        Together { of: &[SCALE, "wheel_base"], values: values(&scaled), ..Together::default() },
+        // Of what a robot is ahead of its commands it seems to lose less in turns.
+        Together { of: &["turn_slowing"], without: Some(SCALE), values: values(&unscaled) },
+    ]);
 }

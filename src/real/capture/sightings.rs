@@ -102,12 +102,13 @@ fn image(all: &[Seen], range_ratio: f64, capture: &mut Capture) {
         return;
     };
     let values = |values: &[(&str, f64)]| values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    let beside = |of, all: &[(&str, f64)]| Together { of, without: None, values: values(all) };
     let [focal_ratio, lens_radial, scale_ratio] = ["focal_error.ratio", "lens_distortion.radial", "range_scale.ratio"];
     capture.values.append(&mut values(&[(focal_ratio, focal), (lens_radial, radial)]));
     capture.together.extend([
-        Together { of: &[FOCAL, LENS], values: values(&[(focal_ratio, both[1]), (lens_radial, both[2] / both[1])]) },
-        Together { of: &[FOCAL, SCALE], values: values(&[(scale_ratio, range_ratio * focal)]) },
-        Together { of: &[FOCAL, LENS, SCALE], values: values(&[(scale_ratio, range_ratio * both[1])]) },
+        beside(&[FOCAL, LENS], &[(focal_ratio, both[1]), (lens_radial, both[2] / both[1])]),
+        beside(&[FOCAL, SCALE], &[(scale_ratio, range_ratio * focal)]),
+        beside(&[FOCAL, LENS, SCALE], &[(scale_ratio, range_ratio * both[1])]),
     ]);
 }
 
