@@ -70,7 +70,7 @@ struct Arguments {
     #[arg(long, value_name = "S", requires = "real")]
     every_s: Option<f64>,
     /// Of a real robot, effects are found both one after another, and backwards from all of them at once; what is worth more counts: of
-    /// effects that act alike the one that comes first may make up for the others. Takes a third longer, up to nearly twice as long
+    /// effects that act alike the one that comes first may make up for the others. Takes about half as long again
     #[arg(long, requires = "real")]
     both_ways: bool,
     /// Of a real robot, the diagnosis.json of another of its make, by its own log: what others have, it is expected to have, and what

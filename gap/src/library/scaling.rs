@@ -1,7 +1,7 @@
 //! Effects on ranges at once: what one makes longer by a share, is longer by that share of what the others make of it.
 //!
-//! Changes of a size add up as long as they are small. A range that is 3 % too long and a depth in its place are not: with 15 % of the range
-//! gone at the edge of an image, the 3 % are 2.5 % of what was far. Offsets are added last, and are no share of anything.
+//! Changes of a size add up as long as they are small. A range that is 3 % too long, and a depth in its place, are not: half a radian off
+//! the axis 12 % of a range are gone, and 3 % are added to what is left. Offsets come last, and are no share of anything.
 
 use crate::shape::{Numbers, Shape};
 
