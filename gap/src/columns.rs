@@ -5,11 +5,16 @@
 //! the log (wear) and, before a single landmark, on where it was last seen (a heading held below the
 //! command).
 
+mod times;
+
 use std::collections::BTreeSet;
 
 use asami_dataset::{Action, Command};
 use asami_math::elementary::hypot;
 use serde::{Deserialize, Serialize};
+
+use times::Times;
+pub(crate) use times::below;
 
 /// Ages of commands between which what lingers of them is averaged, in seconds.
 const AGES_S: [f64; 9] = [0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.7, 1.0];
@@ -203,7 +208,8 @@ impl Columns {
     pub fn fill(&self, commands: &[Command], from_s: f64, to_s: f64, held: &[(f64, f64)], row: &mut [f64]) -> Attempt {
         row.fill(0.0);
         let (mut now, mut moving) = ([0.0; 3], 0.0);
-        each(commands, from_s, to_s, |share, action| {
+        let times = Times::between(from_s, to_s);
+        times.each(commands, |share, action| {
             let attempt = attempt(action).1;
             for (now, u) in now.iter_mut().zip(self.normalised(attempt)) {
                 *now += share * u;
@@ -213,14 +219,20 @@ impl Columns {
             }
         });
         let mut scratch = vec![0.0; self.width(Group::Curve)];
-        let velocity = self.velocity(commands, from_s, to_s, &mut scratch);
+        let velocity = self.velocity(commands, times, &mut scratch);
         row[self.range(Group::Curve)].copy_from_slice(&scratch);
         let middle_s = 0.5 * (from_s + to_s);
         let (lingering, turning) = (self.range(Group::Lingering).start, self.range(Group::Turning));
         let in_turn = |curve: &[f64]| curve.last().copied().unwrap_or(0.0);
         let in_turn_now = in_turn(&scratch);
         for (age, ages_s) in AGES_S.windows(2).enumerate() {
-            let then = self.velocity(commands, middle_s - ages_s[1], middle_s - ages_s[0], &mut scratch);
+            // A turn of wheels may be over between the middles of two steps; legs are looked at more often.
+            let earlier = if self.rolls() {
+                times.earlier([ages_s[0], ages_s[1]])
+            } else {
+                Times::between(middle_s - ages_s[1], middle_s - ages_s[0])
+            };
+            let then = self.velocity(commands, earlier, &mut scratch);
             for ((column, then), now) in row[lingering + 3 * age..].iter_mut().zip(then).zip(velocity) {
                 *column = then - now;
             }
@@ -259,11 +271,11 @@ impl Columns {
         AGES_S.windows(2).zip(lingering).map(of).fold(0.0, |sum, it| sum + it)
     }
 
-    /// The mean nominal velocity between two times, in shares of the greatest, and the curve's columns.
-    fn velocity(&self, commands: &[Command], from_s: f64, to_s: f64, curve: &mut [f64]) -> [f64; 3] {
+    /// The mean nominal velocity at some times, in shares of the greatest, and the curve's columns.
+    fn velocity(&self, commands: &[Command], times: Times, curve: &mut [f64]) -> [f64; 3] {
         curve.fill(0.0);
         let mut attempted = [0.0; 3];
-        each(commands, from_s, to_s, |share, action| {
+        times.each(commands, |share, action| {
             let (id, attempt) = attempt(action);
             let u = self.normalised(attempt);
             for (attempted, u) in attempted.iter_mut().zip(u) {
@@ -335,22 +347,6 @@ fn attempt(action: &Action) -> (Option<u16>, Attempt) {
         }
         Action::Wheels { id, v_m_per_s, omega_rad_per_s } => (id, [0.0, v_m_per_s, omega_rad_per_s]),
         Action::Pedals { .. } => (None, [0.0; 3]),
-    }
-}
-
-/// Every action in force between two times, with its share of the span. Before the first command none is.
-fn each(commands: &[Command], from_s: f64, to_s: f64, mut with: impl FnMut(f64, &Action)) {
-    let span_s = to_s - from_s;
-    if span_s <= 0.0 {
-        return;
-    }
-    let first = commands.partition_point(|command| command.t_s <= from_s).saturating_sub(1);
-    for (i, command) in commands.iter().enumerate().skip(first).take_while(|(_, command)| command.t_s < to_s) {
-        let until_s = commands.get(i + 1).map_or(to_s, |next| next.t_s.min(to_s));
-        let share = (until_s - command.t_s.max(from_s)) / span_s;
-        if share > 0.0 {
-            with(share, &command.action);
-        }
     }
 }
 
