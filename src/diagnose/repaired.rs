@@ -262,6 +262,7 @@ learner = "canonical"
             which: vec![found(&[("command_delay.delay_s", 0.1)])],
             set90: Vec::new(),
             cannot_tell_apart: Vec::new(),
+            unsettled: Vec::new(),
             next_experiment: None,
             next_keys: None,
             next_nats: None,

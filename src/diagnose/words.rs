@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use asami_gap::Diagnosis;
-use asami_gap::answer::diagnosis::{Cause, Estimate, Kind, Verdict};
+use asami_gap::answer::diagnosis::{Cause, Estimate, Kind, Suspect, Unsettled, Verdict};
 use asami_sim::effects::catalogue;
 
 /// Places and causes said of each.
@@ -46,6 +46,9 @@ pub fn text(diagnosis: &Diagnosis) -> String {
     }
     for group in &diagnosis.cannot_tell_apart {
         say("", &format!("this log cannot tell apart: {}", group.join(", ")));
+    }
+    for (i, it) in diagnosis.unsettled.iter().enumerate() {
+        say(if i == 0 { "besides" } else { "" }, &unsettled(it));
     }
     if let Some(next) = &diagnosis.next_experiment {
         say("next", next);
@@ -127,6 +130,14 @@ pub fn verdict(diagnosis: &Diagnosis) -> String {
         }
         Verdict::None => "none: nothing parts this log from the nominal world".to_owned(),
     }
+}
+
+/// What a small part of the gap may be, and how small it is.
+#[must_use]
+pub fn unsettled(it: &Unsettled) -> String {
+    let suspect = |it: &Suspect| format!("{} (P = {})", it.effect, share(it.probability));
+    let one_of: Vec<String> = it.one_of.iter().map(suspect).collect();
+    format!("{}: {} % of what is explained", one_of.join(" or "), digits(100.0 * it.share))
 }
 
 fn of_cause(cause: &Cause) -> String {
@@ -226,6 +237,21 @@ mod tests {
         let said = |at_end: bool| estimated("steering_offset.offset_rad", &estimate(at_end));
         assert_eq!(said(false), "0.00800 (0.00700 to 0.00800) rad");
         assert_eq!(said(true), "0.00800 (0.00700 to 0.00800) rad, the largest that is known");
+    }
+
+    #[test]
+    fn what_is_not_settled_is_said_with_how_little_it_is() {
+        let suspect = |effect: &str, probability: f64| Suspect { effect: effect.to_owned(), probability };
+        let one_of = vec![suspect("wheel_base", 0.55), suspect("unequal_wheels", 0.41)];
+        let mut diagnosis: Diagnosis = serde_json::from_str(super::super::EXAMPLE).unwrap();
+        assert!(
+            !text(&diagnosis).contains("besides") && !serde_json::to_string(&diagnosis).unwrap().contains("unsettled")
+        );
+        diagnosis.unsettled = vec![Unsettled { one_of, share: 0.0042 }];
+        let said = "besides  wheel_base (P = 0.550) or unequal_wheels (P = 0.410): 0.420 % of what is explained";
+        assert!(text(&diagnosis).contains(said), "{}", text(&diagnosis));
+        let read: Diagnosis = serde_json::from_str(&serde_json::to_string(&diagnosis).unwrap()).unwrap();
+        assert_eq!(read, diagnosis);
     }
 
     #[test]

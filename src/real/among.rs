@@ -5,7 +5,7 @@ use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::{Cause, Estimate};
 use asami_gap::real::kin::Kin;
 
-use super::tables::{agreed, failed, robot, said};
+use super::tables::{agreed, effects, failed, robot, said};
 use super::walk::{Part, Record};
 use crate::diagnose::words;
 use crate::report::{Cell, RowKind, Table};
@@ -54,7 +54,7 @@ pub fn table(records: &[Record]) -> Table {
     ];
     let mut table = Table::new("Real robots among their make", &heads).caption(
         "The same logs, each robot's beside what the whole logs of the others say: beforehand an effect is as probable as it is \
-         common among them (a beta distribution; by itself ten to one are against it, which counts as much as one robot). Off most: \
+         common among them (a beta distribution; by itself ten to one are against it, which counts as much as one robot). In brackets: small parts that are not settled. Off most: \
          of the effects of motion that are named that which motion capture says explains most by itself.",
     );
     for record in records.iter().filter(|it| it.part == Part::Whole) {
@@ -75,7 +75,7 @@ pub fn table(records: &[Record]) -> Table {
                 record.log.clone().into(),
                 robot(record),
                 diagnosis.verdict.name().into(),
-                cause.map_or_else(String::new, |it| it.effects.join(", ")).into(),
+                cause.map_or_else(String::new, |it| effects(diagnosis, it)).into(),
                 diagnosis.how_far.closed.map_or_else(Cell::default, |closed| Cell::number(closed, 2)),
                 agreed(records, record),
                 main.map_or_else(String::new, |(name, _)| name.to_owned()).into(),

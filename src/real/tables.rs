@@ -4,7 +4,7 @@ use std::path::Path;
 
 use asami_dataset::store::number;
 use asami_gap::Diagnosis;
-use asami_gap::answer::diagnosis::Cause;
+use asami_gap::answer::diagnosis::{Cause, Unsettled};
 
 use super::among;
 use super::foretold;
@@ -20,7 +20,7 @@ use crate::sweep::{CannotSweep, Finished, manifest};
 
 /// Columns of `trials.csv`.
 pub const TRIALS: &str = "scenario,log,robot,part,verdict,effects_named,probability,unknown,unknown_block,excess_before,\
-                          excess_after,closed,closed_low,closed_high,halves_agree,main_of_motion,error";
+                          excess_after,closed,closed_low,closed_high,halves_agree,main_of_motion,error,unsettled";
 
 /// Columns of `parameters.csv`.
 pub const PARAMETERS: &str = "scenario,log,robot,part,parameter,value,low,high,capture";
@@ -138,10 +138,23 @@ fn trials(results: &Results, records: &[Record]) -> String {
             halves_agree(records, record).map_or_else(String::new, |it| it.to_string()),
             record.shares.first().map_or_else(String::new, |(name, _)| name.clone()),
             record.error.clone(),
+            diagnosis.map(|it| unsettled(it, "|").join("+")).unwrap_or_default(),
         ]);
         push(&mut text, &row);
     }
     text
+}
+
+/// Small parts of the gap of which it is not settled what they are, each as what it may be.
+fn unsettled(diagnosis: &Diagnosis, or: &str) -> Vec<String> {
+    let one_of = |it: &Unsettled| it.one_of.iter().map(|it| it.effect.as_str()).collect::<Vec<_>>().join(or);
+    diagnosis.unsettled.iter().map(one_of).collect()
+}
+
+/// What is named, and in brackets what is not settled.
+pub(super) fn effects(diagnosis: &Diagnosis, cause: &Cause) -> String {
+    let small = unsettled(diagnosis, " or ").into_iter().map(|it| format!("({it})"));
+    cause.effects.iter().cloned().chain(small).collect::<Vec<_>>().join(", ")
 }
 
 fn parameters(results: &Results, records: &[Record]) -> String {
@@ -199,7 +212,8 @@ fn logs(records: &[Record]) -> Table {
         "off most by capture",
     ];
     let mut table = Table::new("Real logs", &heads).caption(
-        "Effects in the order in which they are named, the most evident first. Closed: the share of the gap, on held-out blocks, \
+        "Effects in the order in which they are named, the most evident first; in brackets a small part of the gap of which the log \
+         does not settle which of these it is. Closed: the share of the gap, on held-out blocks, \
          that they close; unknown: the share that remains, and the flexible block that it shows in. By motion capture, or of a car by \
          inertial navigation: the discrepancy of motion that by itself explains most (scale of speeds, slowing in turns, bend of straight \
          lines, delay, lag; offset, ratio and lag of a steering), and its share. \
@@ -224,7 +238,7 @@ fn logs(records: &[Record]) -> Table {
                 record.log.clone().into(),
                 robot(record),
                 diagnosis.verdict.name().into(),
-                said(diagnosis).map_or_else(String::new, |it| it.effects.join(", ")).into(),
+                said(diagnosis).map_or_else(String::new, |it| effects(diagnosis, it)).into(),
                 far.closed.map_or_else(Cell::default, |closed| Cell::number(closed, 2)),
                 interval.into(),
                 remains.into(),
@@ -274,4 +288,25 @@ fn held(records: &[Record]) -> Table {
         }
     }
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use asami_gap::answer::diagnosis::Suspect;
+
+    use super::*;
+
+    /// What is not settled stands in brackets after what is named, and is nothing that is named.
+    #[test]
+    fn what_is_not_settled_is_in_brackets() {
+        let suspect = |effect: &str| Suspect { effect: effect.to_owned(), probability: 0.45 };
+        let one_of = ["wheel_base", "unequal_wheels"].map(suspect).to_vec();
+        let mut diagnosis = Diagnosis::flat(&[]);
+        diagnosis.which[0].effects = vec!["turn_slowing".to_owned(), "wheel_lag".to_owned()];
+        let shown = |diagnosis: &Diagnosis| effects(diagnosis, &diagnosis.which[0]);
+        assert_eq!(shown(&diagnosis), "turn_slowing, wheel_lag");
+        diagnosis.unsettled = vec![Unsettled { one_of, share: 0.004 }];
+        assert_eq!(shown(&diagnosis), "turn_slowing, wheel_lag, (wheel_base or unequal_wheels)");
+        assert_eq!(unsettled(&diagnosis, "|"), ["wheel_base|unequal_wheels"]);
+    }
 }

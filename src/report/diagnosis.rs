@@ -8,7 +8,7 @@ use asami_math::statistics::wilson_interval;
 use asami_sim::effects::catalogue;
 
 use super::{Cell, Plate, Report, RowKind, Section, Table};
-use crate::diagnose::words::{digits, estimated, joined, kind, share, unit, verdict, with_unit};
+use crate::diagnose::words::{self, digits, estimated, joined, kind, share, unit, verdict, with_unit};
 use crate::draw::map::{Map, Patch};
 use crate::draw::{Figure, Mark, Stroke};
 
@@ -212,6 +212,13 @@ fn cause(diagnosis: &Diagnosis, beside: &Beside) -> Section {
     for group in &diagnosis.cannot_tell_apart {
         let group: Vec<String> = group.iter().map(|name| format!("`{name}`")).collect();
         section = section.text(format!("At the sizes found, this log cannot tell apart {}.", group.join(", ")));
+    }
+    if !diagnosis.unsettled.is_empty() {
+        let small: Vec<String> = diagnosis.unsettled.iter().map(words::unsettled).collect();
+        section = section.text(format!(
+            "Small parts of the gap, of which the log does not settle what they are, and which are not named: {}.",
+            small.join("; ")
+        ));
     }
     if !beside.without.is_empty() {
         section = section.text(format!("Taken out of the catalogue: `{}`.", beside.without.join("`, `")));

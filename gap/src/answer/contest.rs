@@ -133,6 +133,7 @@ impl Diagnosis {
             which: vec![cause],
             set90: vec![effects],
             cannot_tell_apart: Vec::new(),
+            unsettled: Vec::new(),
             next_experiment: None,
             next_keys: None,
             next_nats: None,

@@ -26,6 +26,9 @@ pub struct Diagnosis {
     pub set90: Vec<Vec<String>>,
     /// Effects that this log cannot split, by groups of two and more.
     pub cannot_tell_apart: Vec<Vec<String>>,
+    /// Small parts of a real robot's gap, of which the log does not settle what they are; named is the rest.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unsettled: Vec<Unsettled>,
     /// What to record to split what is tied; `None` where nothing is.
     pub next_experiment: Option<String>,
     /// The keys of the scenario that drive the robot so, as `table.key = value`; `None` where the log's own commands are as
@@ -57,6 +60,24 @@ pub struct Diagnosis {
     pub calibrated_on: Option<CalibratedOn>,
     /// The gap before and after the most probable cause is added.
     pub how_far: HowFar,
+}
+
+/// A small part of a gap, of which the log does not settle what it is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Unsettled {
+    /// What it may be, the most probable first, until they have nine tenths of what all have.
+    pub one_of: Vec<Suspect>,
+    /// Share of the nats that all effects explain.
+    pub share: f64,
+}
+
+/// An effect that may be there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Suspect {
+    /// Its name.
+    pub effect: String,
+    /// How probable it is, where one is there.
+    pub probability: f64,
 }
 
 /// Standard deviations over those of the nominal world.

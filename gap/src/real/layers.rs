@@ -230,7 +230,7 @@ pub(super) fn of_what_counts(it: &Weighed, counts: f64) -> f64 {
 }
 
 /// Sizes as they were found together.
-fn take(layers: &mut [Layer], found: Vec<Planted>) {
+pub(super) fn take(layers: &mut [Layer], found: Vec<Planted>) {
     layers.iter_mut().zip(found).for_each(|(layer, best)| layer.weighed.best = best);
 }
 

@@ -11,6 +11,7 @@ pub mod pedals;
 mod ridge;
 pub mod scanner;
 mod starts;
+mod unsettled;
 mod unsure;
 mod whole;
 
@@ -35,6 +36,7 @@ use crossed::Crossed;
 use folds::Folds;
 use kin::Kin;
 use layers::{Layer, Least, Rival, beside_one_another, layers, planted, thought_again};
+use unsettled::settled;
 use unsure::{sized, sized_or_at_the_top};
 use whole::whole;
 
@@ -156,10 +158,11 @@ pub fn diagnose_among(
     let (_, noisy, found) = best;
     let judge = Crossed::new(log, &noisy, folds)?;
     let found = search.again(&judge, &variants, found, &least);
+    let (found, unsettled) = settled(&judge, found);
     let found = search.sized(&judge, &variants, found, &least);
     let astray_s = library.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
     let noise = noise::compared(nominal, &noisy);
-    Ok(Diagnosis { astray_s: Some(astray_s), noise, ..assembled(&judge, &variants, &found) })
+    Ok(Diagnosis { astray_s: Some(astray_s), noise, unsettled, ..assembled(&judge, &variants, &found) })
 }
 
 fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagnosis {
@@ -193,6 +196,7 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagno
         which,
         set90,
         cannot_tell_apart,
+        unsettled: Vec::new(),
         next_experiment: None,
         next_keys: None,
         next_nats: None,
