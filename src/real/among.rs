@@ -54,8 +54,9 @@ pub fn table(records: &[Record]) -> Table {
     ];
     let mut table = Table::new("Real robots among their make", &heads).caption(
         "The same logs, each robot's beside what the whole logs of the others say: beforehand an effect is as probable as it is \
-         common among them (a beta distribution; by itself ten to one are against it, which counts as much as one robot). In brackets: small parts that are not settled. Off most: \
-         of the effects of motion that are named that which motion capture says explains most by itself.",
+         common among them (a beta distribution; by itself ten to one are against it, which counts as much as one robot). In \
+         brackets: small parts that are not settled. Off most: of the effects of motion that are named that which motion \
+         capture says explains most by itself.",
     );
     for record in records.iter().filter(|it| it.part == Part::Whole) {
         let Some(diagnosis) = &record.diagnosis else {

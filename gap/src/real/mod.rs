@@ -55,6 +55,8 @@ const LEAST: Least = Least { nats: 5.0, share: 0.01, share_together: 0.0005, lat
 const UNEXPLAINED_NATS: f64 = 10.0;
 /// Where more of the gap than this remains with every effect in, something is unknown.
 const MOST_REMAINS: f64 = 0.3;
+/// Causes that are so probable together are the set that is said, and effects that are so probable together are settled.
+const SURE: f64 = 0.9;
 /// Causes less probable than this are left out.
 const NEGLIGIBLE: f64 = 1e-3;
 
@@ -233,15 +235,22 @@ fn groups(found: &[Layer], set90: &[Vec<String>]) -> (Vec<Vec<String>>, bool) {
     (groups, all_alike)
 }
 
+/// By how much a rival is less evident than the layer, in nats.
+fn less(layer: &Layer, rival: &Rival) -> f64 {
+    layer.weighed.evidence_nats - rival.evidence_nats
+}
+
+/// The odds of what is less evident by so much.
+fn odds(less_nats: f64) -> f64 {
+    exp(-less_nats.min(700.0))
+}
+
 /// The layers together; each with a rival in the place of the layer that it rivals; *unknown* and *none*.
 fn which(judge: &dyn Judge, found: &[Layer], remains: f64, block: Option<&Fitted>) -> Vec<Cause> {
     let total = judge.log_likelihood(&planted(found)) - judge.log_likelihood(&[]);
     let names: Vec<&str> = found.iter().map(|layer| layer.weighed.effect).collect();
-    // By how much each is less evident.
-    let less = |layer: &Layer, rival: &Rival| layer.weighed.evidence_nats - rival.evidence_nats;
     let rivals: Vec<Vec<(&str, f64)>> =
         found.iter().map(|layer| rivals(found, layer).map(|it| (it.effect, less(layer, it))).collect()).collect();
-    let odds = |less: f64| exp(-less.min(700.0));
     let own = rivals.iter().map(|rivals| 1.0 / (1.0 + rivals.iter().map(|it| odds(it.1)).sum::<f64>()));
     let leads = own.product::<f64>() * (1.0 - remains);
     let cause = |names: &[&str], probability: f64, evidence_nats: f64| Cause {
@@ -279,14 +288,19 @@ fn which(judge: &dyn Judge, found: &[Layer], remains: f64, block: Option<&Fitted
 
 /// The most probable of these, until they have nine tenths of what all of them have.
 fn set90<'a>(causes: impl Iterator<Item = &'a Cause>) -> Vec<Vec<String>> {
-    let causes: Vec<&Cause> = causes.collect();
-    let all: f64 = causes.iter().map(|it| it.probability).sum();
-    let before = causes.iter().scan(0.0, |so_far, it| {
-        let before = *so_far;
-        *so_far += it.probability;
-        Some(before)
-    });
-    causes.iter().zip(before).take_while(|(_, before)| *before < 0.9 * all).map(|(it, _)| it.effects.clone()).collect()
+    likeliest(causes.collect(), |it| it.probability).into_iter().map(|it| it.effects.clone()).collect()
+}
+
+/// Of these, the most probable first, the first ones until they have nine tenths of what all of them have.
+fn likeliest<T>(ranked: Vec<T>, probability: impl Fn(&T) -> f64) -> Vec<T> {
+    let all: f64 = ranked.iter().map(&probability).sum();
+    let mut before = 0.0;
+    let within = |it: &T| {
+        let is_within = before < SURE * all;
+        before += probability(it);
+        is_within
+    };
+    ranked.into_iter().take_while(within).collect()
 }
 
 #[cfg(test)]

@@ -3,17 +3,13 @@
 //! A verdict is on a gap. Which of two effects makes a few hundredths of it takes nothing back of what makes the rest: what is sure is
 //! named, and what the small part may be is said by itself.
 
-use asami_math::elementary::exp;
-
 use super::layers::{Layer, Rival, planted, settle, take};
-use super::rivals;
+use super::{SURE, less, likeliest, odds, rivals};
 use crate::answer::diagnosis::{Suspect, Unsettled};
 use crate::judge::Judge;
 use crate::weigh::groups::SPLIT_NATS;
 
-/// Effects that are so probable together are settled.
-const SURE: f64 = 0.9;
-/// Those that are explain no less than nine tenths of what all do.
+/// What is settled explains no less than nine tenths of what all do.
 const MOST_UNSETTLED: f64 = 0.1;
 
 /// The effects that a log settles, with their sizes found together, and the small parts of the gap that it does not settle. Where
@@ -48,8 +44,7 @@ pub fn settled(judge: &dyn Judge, found: Vec<Layer>) -> (Vec<Layer>, Vec<Unsettl
 
 /// How probable each is in the place of a layer: the layer itself, and each of its rivals.
 fn probable<'a>(found: &'a [Layer], layer: &'a Layer) -> (f64, Vec<(&'a Rival, f64)>) {
-    let odds = |it: &Rival| exp((it.evidence_nats - layer.weighed.evidence_nats).min(700.0));
-    let rivals: Vec<(&Rival, f64)> = rivals(found, layer).map(|it| (it, odds(it))).collect();
+    let rivals: Vec<(&Rival, f64)> = rivals(found, layer).map(|it| (it, odds(less(layer, it)))).collect();
     let whole = 1.0 + rivals.iter().map(|it| it.1).sum::<f64>();
     (1.0 / whole, rivals.into_iter().map(|(rival, odds)| (rival, odds / whole)).collect())
 }
@@ -66,19 +61,14 @@ fn suspects(found: &[Layer], layer: &Layer) -> Vec<Suspect> {
     let rivals = rivals.into_iter().map(|(rival, probability)| (rival.effect, probability));
     let mut all: Vec<(&str, f64)> = std::iter::once((layer.weighed.effect, own)).chain(rivals).collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut before = 0.0;
-    let within = |it: &(&str, f64)| {
-        let is_within = before < SURE;
-        before += it.1;
-        is_within
-    };
     let said = |(effect, probability): (&str, f64)| Suspect { effect: effect.to_owned(), probability };
-    all.into_iter().take_while(within).map(said).collect()
+    likeliest(all, |it| it.1).into_iter().map(said).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use asami_dataset::Seed;
+    use asami_math::elementary::exp;
 
     use super::*;
     use crate::plant::Planted;
