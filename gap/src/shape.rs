@@ -1,6 +1,6 @@
 //! What the numbers of a response mean: which of them is what, and what each is multiplied with.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use asami_math::elementary::{cos, sin, sin_cos};
 use serde::{Deserialize, Serialize};
@@ -108,7 +108,7 @@ impl Shape {
             Numbers::Motion => 3 * self.columns.len(),
             Numbers::MotionNoise => 3 * (CHANGING + 1),
             Numbers::Size => self.curve_width() + 3 + usize::from(self.ranges),
-            Numbers::Bearing => 6,
+            Numbers::Bearing => 6 + usize::from(self.scans()),
             // Of a single landmark the place cannot be told from the robot's own.
             Numbers::Moved if self.landmarks > 1 => 2 * self.landmarks,
             Numbers::Moved => 0,
@@ -213,14 +213,16 @@ impl Shape {
         columns.fill(0.0);
         let d = sight.distance_m.max(0.05);
         let off = self.inside(sight.off_rad);
-        columns.copy_from_slice(&[
-            1.0,
-            off,
-            off * off * off,
-            sight.pan_rad_per_s,
-            sight.attempt[2],
-            sin(sight.bearing_rad) / d,
-        ]);
+        let of_any = [1.0, off, off * off * off, sight.pan_rad_per_s, sight.attempt[2], sin(sight.bearing_rad) / d];
+        let (any, of_scanner) = columns.split_at_mut(of_any.len());
+        any.copy_from_slice(&of_any);
+        // What an angle encoder is off comes again with each turn.
+        of_scanner.fill(1.0 - cos(off));
+    }
+
+    /// Whether the sensor sees beyond right angles, as no camera does.
+    fn scans(&self) -> bool {
+        self.off_rad > FRAC_PI_2
     }
 
     /// By how much the bearing that is read, and the size, change with the bearing, beyond the bearing itself.
@@ -230,7 +232,8 @@ impl Shape {
         if off != sight.off_rad {
             return [0.0; 2];
         }
-        let of_bearing = bearing[1] + 3.0 * off * off * bearing[2];
+        let of_turn = bearing.get(6).map_or(0.0, |it| it * sin(off));
+        let of_bearing = bearing[1] + 3.0 * off * off * bearing[2] + of_turn;
         let (d, extra) = (sight.distance_m.max(0.05), self.curve_width());
         let of_skew = if self.ranges { d * cos(sight.bearing_rad) * size[extra + 3] } else { 0.0 };
         [self.off_square(off)[1] * self.off_scale(d) * size[extra] + of_skew, of_bearing]

@@ -43,7 +43,7 @@ fn world(robot: &str, effects: &Effects, seed: Seed) -> Box<dyn World> {
     }
     if robot == "create" {
         let mut config = CreateConfig::default();
-        config.sight.view_rad = 2.0;
+        config.sight.view_rad = 4.2;
         config.sight.recognised = 0.9;
         let start = TruePose { t_s: 0.0, x_m: 0.0, y_m: -2.0, theta_rad: 0.0, v_m_per_s: None };
         return Box::new(CreateWorld::new(&config, &field, effects, start, seed).expect("the shipped robot"));

@@ -259,7 +259,8 @@ fn held(records: &[Record]) -> Table {
          one is named that one alone, and where no scale of commands is named, what is lost in turns is of a robot without one; a scale of \
          commands is one of turns, too, and a wheel base beside it what that leaves of them; a lag is on top of the nominal robot's own, a \
          scale of ranges beside a focal length what that leaves of it. Capture has a clock and a heading of its own: what a camera is late, or turned \
-         against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing.",
+         against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing; what ranges and a scanner's \
+         angles are off is counted beside what they are late.",
     );
     for record in records.iter().filter(|record| record.part == Part::Whole) {
         let Some(cause) = record.diagnosis.as_ref().and_then(said) else { continue };

@@ -17,6 +17,9 @@ use crate::shape::{Numbers, ORDER, Shape};
 use crate::sizes::{curved, smoothed, spaced, straight, through};
 use crate::touch::Touch;
 
+/// In so many seconds of a log effects on sensing show at their greatest sizes, if they do at all.
+const SHOWS_S: f64 = 60.0;
+
 /// What one kind of effect changes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
@@ -60,7 +63,7 @@ impl Entry {
             // Below the next, splines are near to a line from nothing, of which the least size tells least.
             sizes.remove(0);
         }
-        if !shows(&base.shape, variant) {
+        if !shows(nominal, &base.shape, variant, *sizes.last().unwrap_or(&0.0))? {
             return Ok(Self {
                 kind: variant.name(),
                 sizes,
@@ -171,10 +174,14 @@ impl Entry {
     }
 }
 
-/// Whether logs show such an effect at all: a robot that knows where it is by a single landmark cannot tell that the landmark
-/// stands elsewhere.
-fn shows(shape: &Shape, variant: &Variant) -> bool {
-    shape.landmarks > 1 || variant.place() != Place::Scene
+/// Whether logs show such an effect at all. A robot that knows where it is by a single landmark cannot tell that the landmark stands
+/// elsewhere; and not every sensor has what an effect is of.
+fn shows(nominal: &dyn Nominal, shape: &Shape, variant: &Variant, greatest: f64) -> Result<bool, CannotPlay> {
+    if variant.place() != Place::Sensing {
+        return Ok(shape.landmarks > 1 || variant.place() != Place::Scene);
+    }
+    let seen = |planted: &[Planted]| Ok(play(nominal, planted, Seed(FIRST_SEED), SHOWS_S)?.log.sightings);
+    Ok(seen(&[Planted { variant: variant.clone(), size: greatest }])? != seen(&[])?)
 }
 
 /// How an effect's changes run over its sizes: delays cross from one age to the next, and what sensing does is seen so

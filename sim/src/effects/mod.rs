@@ -12,6 +12,7 @@ pub mod command_scale;
 pub mod depth_for_range;
 pub mod drag;
 pub mod dropouts;
+pub mod encoder_eccentricity;
 pub mod engine_torque;
 pub mod false_sightings;
 pub mod focal_error;
@@ -141,6 +142,7 @@ effects! {
     lens_distortion => LensDistortion,
     camera_pitch => CameraPitch,
     pan_offset => PanOffset,
+    encoder_eccentricity => EncoderEccentricity,
     image_delay => ImageDelay,
     stale_pictures => StalePictures,
     height_bias => HeightBias,

@@ -1,34 +1,40 @@
 //! Sightings and where landmarks were.
 
+use std::f64::consts::FRAC_PI_2;
+
 use asami_dataset::truth::pose_at;
 use asami_dataset::{Dataset, Sighting, Size};
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, hypot, sin_cos, tan};
+use asami_math::elementary::{atan2, cos, hypot, sin_cos, tan};
 use asami_math::regression::least_squares;
 use asami_math::statistics::median;
 
 use super::{Capture, LEAST, OUTLIER, ROUNDS, Together};
 
-/// Turning rates are taken over so long to both sides.
-const TURNS_S: f64 = 0.1;
+/// Rates are taken over so long to both sides.
+const RATES_S: f64 = 0.1;
 /// Farther off its axis no camera sees.
 const WIDEST_RAD: f64 = 1.4;
+/// What sees landmarks farther to the sides is a scanner.
+const SCANNER_RAD: f64 = FRAC_PI_2;
 
 const FOCAL: &str = "focal_error";
 const LENS: &str = "lens_distortion";
 const SCALE: &str = "range_scale";
+const ECCENTRICITY: &str = "encoder_eccentricity";
 
 /// What is to be explained, and by what.
 type Row<const N: usize> = ([f64; N], f64);
 
-/// A sighting beside where the landmark was.
+/// A sighting beside where the landmark was; how fast that changed, for capture has a clock of its own.
 struct Seen {
     distance_m: f64,
     bearing_rad: f64,
     read_m: f64,
     read_rad: f64,
-    /// How fast the robot turned: capture has a clock of its own.
     turning_rad_per_s: f64,
+    parting_m_per_s: f64,
+    swinging_rad_per_s: f64,
 }
 
 impl Seen {
@@ -37,29 +43,39 @@ impl Seen {
         let log = &dataset.log;
         let [right_m, ahead_m] = log.known.range_bearing.as_ref().map_or([0.0; 2], |it| it.sensor_origin_m);
         let landmark = log.known.landmarks.iter().find(|it| it.id == seen.landmark)?;
-        let pose = pose_at(&dataset.truth.track, seen.t_s)?;
-        let theta_rad = pose.theta_rad + ahead_rad;
-        let (sin, cos_theta) = sin_cos(theta_rad);
-        let dx = landmark.x_m - pose.x_m - right_m * cos_theta + ahead_m * sin;
-        let dy = landmark.y_m - pose.y_m - right_m * sin - ahead_m * cos_theta;
-        let around = [-TURNS_S, TURNS_S].map(|by_s| pose_at(&dataset.truth.track, seen.t_s + by_s));
-        let turning_rad_per_s = match around {
-            [Some(before), Some(after)] => wrap_rad(after.theta_rad - before.theta_rad) / (2.0 * TURNS_S),
-            _ => 0.0,
+        let at = |t_s: f64| {
+            let pose = pose_at(&dataset.truth.track, t_s)?;
+            let theta_rad = pose.theta_rad + ahead_rad;
+            let (sin, cos_theta) = sin_cos(theta_rad);
+            let dx = landmark.x_m - pose.x_m - right_m * cos_theta + ahead_m * sin;
+            let dy = landmark.y_m - pose.y_m - right_m * sin - ahead_m * cos_theta;
+            Some([theta_rad, hypot(dx, dy), wrap_rad(atan2(-dx, dy) - theta_rad)])
         };
-        let bearing_rad = wrap_rad(atan2(-dx, dy) - theta_rad);
-        Some(Self { distance_m: hypot(dx, dy), bearing_rad, read_m, read_rad: seen.bearing_rad, turning_rad_per_s })
+        let [_, distance_m, bearing_rad] = at(seen.t_s)?;
+        let rates = match [-RATES_S, RATES_S].map(|by_s| at(seen.t_s + by_s)) {
+            [Some(before), Some(after)] => std::array::from_fn(|i| (after[i] - before[i]) / (2.0 * RATES_S)),
+            _ => [0.0; 3],
+        };
+        let whole = |rate: f64| wrap_rad(rate * 2.0 * RATES_S) / (2.0 * RATES_S);
+        let [turning_rad_per_s, parting_m_per_s, swinging_rad_per_s] = [whole(rates[0]), rates[1], whole(rates[2])];
+        let read_rad = seen.bearing_rad;
+        Some(Self { distance_m, bearing_rad, read_m, read_rad, turning_rad_per_s, parting_m_per_s, swinging_rad_per_s })
     }
 
     fn off_rad(&self) -> f64 {
         wrap_rad(self.read_rad - self.bearing_rad)
     }
 
-    /// Its range: an offset, the distance, what a depth lacks of it, how far the landmark lies to the left.
-    fn range(&self) -> Row<4> {
+    /// Its range: an offset, the distance, what a depth lacks of it, how far the landmark lies to the left, how fast it parts.
+    fn range(&self) -> Row<5> {
         let (sin, cos) = sin_cos(self.bearing_rad);
         let (shortened_m, to_the_left_m) = (self.distance_m * (1.0 - cos), self.distance_m * sin);
-        ([1.0, self.distance_m, -shortened_m, to_the_left_m], self.read_m)
+        ([1.0, self.distance_m, -shortened_m, to_the_left_m, self.parting_m_per_s], self.read_m)
+    }
+
+    /// What its bearing is off: where the sensor looks, how fast it swings, what a disc that is off its axis makes of it.
+    fn bend(&self) -> Row<3> {
+        ([1.0, self.swinging_rad_per_s, 1.0 - cos(self.bearing_rad)], self.off_rad())
     }
 
     /// Its place in the image: where the camera looks, the landmark's tangent, its cube, how fast the robot turns.
@@ -87,6 +103,18 @@ pub(super) fn sightings(dataset: &Dataset, ahead_rad: f64, capture: &mut Capture
     ];
     capture.values.extend(values.map(|(name, value)| (name.to_owned(), value)));
     image(&all, ranges[1], capture);
+    angles(&all, capture);
+}
+
+/// How bearings of a scanner bend from side to side, and where it looks beside that.
+fn angles(all: &[Seen], capture: &mut Capture) {
+    if all.iter().filter(|it| it.bearing_rad.abs() > SCANNER_RAD).count() < LEAST {
+        return;
+    }
+    let Some(([offset_rad, _, share], _)) = fitted(&all.iter().map(Seen::bend).collect::<Vec<_>>()) else { return };
+    capture.values.insert(format!("{ECCENTRICITY}.share"), share);
+    let values = [("pan_offset.offset_rad".to_owned(), offset_rad)].into();
+    capture.together.push(Together { of: &[ECCENTRICITY], without: None, values });
 }
 
 /// How far from the image's middle landmarks seem: by a focal length that is another one, by a lens that is no pinhole, by both.
@@ -149,6 +177,8 @@ mod tests {
                 read_m: distance_m / FOCAL_RATIO,
                 read_rad: read_rad + OFFSET_RAD + 0.03 * turning_rad_per_s + mistaken_rad,
                 turning_rad_per_s,
+                parting_m_per_s: 0.0,
+                swinging_rad_per_s: -turning_rad_per_s,
             }
         };
         (0..2000).map(of).collect()
@@ -184,5 +214,38 @@ mod tests {
         assert!(alone["focal_error.ratio"] < FOCAL_RATIO - 0.02, "{alone:?}");
         let pinhole = shown(0.0, &[FOCAL, LENS]).values;
         assert!(pinhole["lens_distortion.radial"].abs() < 0.02, "{pinhole:?}");
+    }
+
+    /// A scanner all around, 0.07 s late, whose disc is off its axis: neither its angles nor its ranges are taken for anything else.
+    #[test]
+    fn what_is_late_is_neither_far_nor_bent() {
+        let of = |i: u16| {
+            let bearing_rad = 0.1 * f64::from(i % 41) - 2.0;
+            let (parting, swinging) = (0.1 * f64::from(i % 5) - 0.3, 0.2 * f64::from(i % 7) - 0.5);
+            let distance_m = 1.0 + 0.3 * f64::from(i % 11);
+            Seen {
+                distance_m,
+                bearing_rad,
+                read_m: 1.01 * distance_m - 0.04 - 0.07 * parting,
+                read_rad: bearing_rad - 0.08 + 0.009 * (1.0 - cos(bearing_rad)) - 0.07 * swinging,
+                turning_rad_per_s: -swinging,
+                parting_m_per_s: parting,
+                swinging_rad_per_s: swinging,
+            }
+        };
+        let scanned: Vec<Seen> = (0..2000).map(of).collect();
+        let (ranges, _) = fitted(&scanned.iter().map(Seen::range).collect::<Vec<_>>()).unwrap();
+        let expected = [-0.04, 1.01, 0.0, 0.0, -0.07];
+        assert!(ranges.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{ranges:?}");
+        let mut capture = Capture::default();
+        angles(&scanned, &mut capture);
+        capture.suit(&["pan_offset", ECCENTRICITY]);
+        let [bend, offset] = ["encoder_eccentricity.share", "pan_offset.offset_rad"].map(|name| capture.values[name]);
+        assert!((bend - 0.009).abs() < 1e-9 && (offset + 0.08).abs() < 1e-9, "{bend} {offset}");
+        // What sees no farther to the sides than this has no disc.
+        let camera: Vec<Seen> = scanned.into_iter().filter(|it| it.bearing_rad.abs() < 1.0).collect();
+        let mut capture = Capture::default();
+        angles(&camera, &mut capture);
+        assert_eq!(capture, Capture::default());
     }
 }

@@ -59,7 +59,7 @@ impl Sight {
             let (right_m, ahead_m) = (beacon.x_m - x_m, beacon.y_m - y_m);
             let distance_m = hypot(right_m, ahead_m);
             let bearing_rad = wrap_rad(atan2(-right_m, ahead_m) - pose.theta_rad);
-            let read_rad = bearing_rad + bent_rad(bearing_rad, eye);
+            let read_rad = bearing_rad + bent_rad(bearing_rad, eye) + self.turned_rad(bearing_rad, eye);
             let seen = (self.near_m..=self.far_m).contains(&distance_m) && read_rad.abs() <= 0.5 * self.view_rad;
             (recognised && seen).then(|| {
                 // From the sensor itself, or only along its axis.
@@ -79,6 +79,11 @@ impl Sight {
             })
         });
         sightings.filter(|sighting| sighting.size.value() > 0.0).collect()
+    }
+
+    /// By how much a scanner's encoder turns what it sees. What sees no half circle is a camera, and has none.
+    fn turned_rad(&self, bearing_rad: f64, eye: &EyeKnobs) -> f64 {
+        if self.view_rad < std::f64::consts::PI { 0.0 } else { eye.eccentricity * (1.0 - cos(bearing_rad)) }
     }
 }
 
