@@ -127,6 +127,8 @@ pub struct EyeKnobs {
     pub pan_offset_rad: f64,
     /// What a scanner's bearings read too much at right angles, against those ahead; else by 1 less the bearing's cosine.
     pub eccentricity: f64,
+    /// Factor on a scanner's bearings.
+    pub bearing_ratio: f64,
     /// By how much an image is older than its time stamp.
     pub delay_s: f64,
     /// Where there are pictures only so often, and each is the newest: how far apart they are.
@@ -153,6 +155,7 @@ impl Default for EyeKnobs {
             pitch_rad: 0.0,
             pan_offset_rad: 0.0,
             eccentricity: 0.0,
+            bearing_ratio: 1.0,
             delay_s: 0.0,
             picture_period_s: 0.0,
             bloom_px: 0.0,

@@ -13,14 +13,28 @@ use asami_sim::robots::plain::{PlainConfig, PlainWorld};
 use asami_sim::scenes::field::{Colour, Cylinder, Field, Landmark};
 use asami_sim::sensors::camera::CameraConfig;
 use asami_sim::world::{Drive, Seen, World, run};
-use catalogue::{BEGIN, LARGE, fitting, null, plant, planted};
+use catalogue::{BEGIN, LARGE, null, plant, planted};
 use rand::RngExt;
 
 /// Long enough for several strides, a change of command and a dozen dozen frames.
 const WALK_S: f64 = 6.0;
 
 /// The robots that have a world: each must bear every effect that fits it.
-const ROBOTS: [&str; 3] = ["aibo", "plain", "create"];
+const ROBOTS: [&str; 4] = ["aibo", "plain", "create", SCANNING];
+/// The third of them, with a scanner in place of a camera.
+const SCANNING: &str = "create with a scanner";
+/// What of its effects only a camera has, and what only a scanner.
+const OF_CAMERAS: [&str; 2] = ["focal_error", "lens_distortion"];
+const OF_SCANNERS: [&str; 2] = ["encoder_eccentricity", "bearing_scale"];
+
+/// Effects that fit a robot, and its sensor.
+fn fitting(robot: &str) -> Vec<&'static About> {
+    let (name, others) = match robot {
+        SCANNING => ("create", OF_CAMERAS),
+        _ => (robot, OF_SCANNERS),
+    };
+    catalogue::fitting(name).into_iter().filter(|about| !others.contains(&about.name)).collect()
+}
 
 fn walk(robot: &str, effects: &Effects, seed: u64) -> Dataset {
     walk_until(robot, effects, seed, WALK_S)
@@ -41,9 +55,9 @@ fn world(robot: &str, effects: &Effects, seed: Seed) -> Box<dyn World> {
         let start = TruePose { t_s: 0.0, x_m: 0.0, y_m: -2.0, theta_rad: 0.0, v_m_per_s: None };
         return Box::new(PlainWorld::new(&config, &suite, &field, effects, start, seed));
     }
-    if robot == "create" {
+    if robot.starts_with("create") {
         let mut config = CreateConfig::default();
-        config.sight.view_rad = 4.2;
+        config.sight.view_rad = if robot == SCANNING { 4.2 } else { 2.0 };
         config.sight.recognised = 0.9;
         let start = TruePose { t_s: 0.0, x_m: 0.0, y_m: -2.0, theta_rad: 0.0, v_m_per_s: None };
         return Box::new(CreateWorld::new(&config, &field, effects, start, seed).expect("the shipped robot"));
@@ -74,7 +88,7 @@ impl Drive for Wander {
 impl Wander {
     fn draw(&mut self) -> Action {
         let [a, b, c] = [(); 3].map(|()| 2.0 * self.rng.random::<f64>() - 1.0);
-        if self.robot == "create" {
+        if self.robot.starts_with("create") {
             return Action::Wheels { id: None, v_m_per_s: 0.25 + 0.25 * b, omega_rad_per_s: 0.4 * c };
         }
         // The plain robot's whole range, and a stroll of the Aibo's.
@@ -160,8 +174,9 @@ fn at_null_no_bit_changes_and_off_null_the_log_does() {
 /// Every parameter but the beginning counts for something once the effect is there.
 #[test]
 fn every_parameter_counts() {
-    for (robot, about) in
-        ["plain", "create"].into_iter().flat_map(|robot| fitting(robot).into_iter().map(move |it| (robot, it)))
+    for (robot, about) in ["plain", "create", SCANNING]
+        .into_iter()
+        .flat_map(|robot| fitting(robot).into_iter().map(move |it| (robot, it)))
     {
         let large = planted(about, LARGE);
         let drawn = walk(robot, &large, 1);
@@ -171,7 +186,7 @@ fn every_parameter_counts() {
             let mut other = large.clone();
             other.set(about.name, parameter.name, if value == least { greatest } else { least });
             // With one landmark it does not matter which; and wheels do not go sideways.
-            let exempt = parameter.name == "number" || (robot == "create" && parameter.name == "x_ratio");
+            let exempt = parameter.name == "number" || (robot.starts_with("create") && parameter.name == "x_ratio");
             let differs = walk(robot, &other, 1).log != drawn.log || exempt;
             assert!(differs, "{robot}: {}.{} changes nothing", about.name, parameter.name);
         }

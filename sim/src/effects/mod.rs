@@ -2,6 +2,7 @@
 
 pub mod base_tilt;
 pub mod battery_sag;
+pub mod bearing_scale;
 pub mod brake_fade;
 pub mod camera_pitch;
 pub mod car_payload;
@@ -143,6 +144,7 @@ effects! {
     camera_pitch => CameraPitch,
     pan_offset => PanOffset,
     encoder_eccentricity => EncoderEccentricity,
+    bearing_scale => BearingScale,
     image_delay => ImageDelay,
     stale_pictures => StalePictures,
     height_bias => HeightBias,

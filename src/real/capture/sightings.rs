@@ -22,6 +22,7 @@ const FOCAL: &str = "focal_error";
 const LENS: &str = "lens_distortion";
 const SCALE: &str = "range_scale";
 const ECCENTRICITY: &str = "encoder_eccentricity";
+const SPREAD: &str = "bearing_scale.ratio";
 
 /// What is to be explained, and by what.
 type Row<const N: usize> = ([f64; N], f64);
@@ -73,9 +74,10 @@ impl Seen {
         ([1.0, self.distance_m, -shortened_m, to_the_left_m, self.parting_m_per_s], self.read_m)
     }
 
-    /// What its bearing is off: where the sensor looks, how fast it swings, what a disc that is off its axis makes of it.
-    fn bend(&self) -> Row<3> {
-        ([1.0, self.swinging_rad_per_s, 1.0 - cos(self.bearing_rad)], self.off_rad())
+    /// What its bearing is off: where the sensor looks, how fast it swings, what a disc that is off its axis makes of it, how
+    /// far it is spread.
+    fn bend(&self) -> Row<4> {
+        ([1.0, self.swinging_rad_per_s, 1.0 - cos(self.bearing_rad), self.bearing_rad], self.off_rad())
     }
 
     /// Its place in the image: where the camera looks, the landmark's tangent, its cube, how fast the robot turns.
@@ -111,8 +113,11 @@ fn angles(all: &[Seen], capture: &mut Capture) {
     if all.iter().filter(|it| it.bearing_rad.abs() > SCANNER_RAD).count() < LEAST {
         return;
     }
-    let Some(([offset_rad, _, share], _)) = fitted(&all.iter().map(Seen::bend).collect::<Vec<_>>()) else { return };
-    capture.values.insert(format!("{ECCENTRICITY}.share"), share);
+    let Some(([offset_rad, _, share, spread], _)) = fitted(&all.iter().map(Seen::bend).collect::<Vec<_>>()) else {
+        return;
+    };
+    let values = [(format!("{ECCENTRICITY}.share"), share), (SPREAD.to_owned(), 1.0 + spread)];
+    capture.values.extend(values);
     let values = [("pan_offset.offset_rad".to_owned(), offset_rad)].into();
     capture.together.push(Together { of: &[ECCENTRICITY], without: None, values });
 }
@@ -227,7 +232,7 @@ mod tests {
                 distance_m,
                 bearing_rad,
                 read_m: 1.01 * distance_m - 0.04 - 0.07 * parting,
-                read_rad: bearing_rad - 0.08 + 0.009 * (1.0 - cos(bearing_rad)) - 0.07 * swinging,
+                read_rad: 1.002 * bearing_rad - 0.08 + 0.009 * (1.0 - cos(bearing_rad)) - 0.07 * swinging,
                 turning_rad_per_s: -swinging,
                 parting_m_per_s: parting,
                 swinging_rad_per_s: swinging,
@@ -240,8 +245,11 @@ mod tests {
         let mut capture = Capture::default();
         angles(&scanned, &mut capture);
         capture.suit(&["pan_offset", ECCENTRICITY]);
-        let [bend, offset] = ["encoder_eccentricity.share", "pan_offset.offset_rad"].map(|name| capture.values[name]);
-        assert!((bend - 0.009).abs() < 1e-9 && (offset + 0.08).abs() < 1e-9, "{bend} {offset}");
+        for (name, expected) in
+            [("encoder_eccentricity.share", 0.009), ("pan_offset.offset_rad", -0.08), (SPREAD, 1.002)]
+        {
+            assert!((capture.values[name] - expected).abs() < 1e-9, "{name}: {}", capture.values[name]);
+        }
         // What sees no farther to the sides than this has no disc.
         let camera: Vec<Seen> = scanned.into_iter().filter(|it| it.bearing_rad.abs() < 1.0).collect();
         let mut capture = Capture::default();

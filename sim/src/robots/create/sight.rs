@@ -48,6 +48,7 @@ impl Sight {
         lasting: &Lasting,
         rng: &mut Rng,
     ) -> Vec<Sighting> {
+        let eye = self.what_it_has(eye);
         let [old, new] = [self.lasting_share, 1.0 - self.lasting_share].map(f64::sqrt);
         let (sin_theta, cos_theta) = sin_cos(pose.theta_rad);
         let (x_m, y_m) = (pose.x_m - self.ahead_m * sin_theta, pose.y_m + self.ahead_m * cos_theta);
@@ -59,7 +60,7 @@ impl Sight {
             let (right_m, ahead_m) = (beacon.x_m - x_m, beacon.y_m - y_m);
             let distance_m = hypot(right_m, ahead_m);
             let bearing_rad = wrap_rad(atan2(-right_m, ahead_m) - pose.theta_rad);
-            let read_rad = bearing_rad + bent_rad(bearing_rad, eye) + self.turned_rad(bearing_rad, eye);
+            let read_rad = bearing_rad + bent_rad(bearing_rad, &eye);
             let seen = (self.near_m..=self.far_m).contains(&distance_m) && read_rad.abs() <= 0.5 * self.view_rad;
             (recognised && seen).then(|| {
                 // From the sensor itself, or only along its axis.
@@ -81,16 +82,22 @@ impl Sight {
         sightings.filter(|sighting| sighting.size.value() > 0.0).collect()
     }
 
-    /// By how much a scanner's encoder turns what it sees. What sees no half circle is a camera, and has none.
-    fn turned_rad(&self, bearing_rad: f64, eye: &EyeKnobs) -> f64 {
-        if self.view_rad < std::f64::consts::PI { 0.0 } else { eye.eccentricity * (1.0 - cos(bearing_rad)) }
+    /// A camera has a lens; what sees more than half a circle is a scanner, and has a mirror that turns.
+    fn what_it_has(&self, eye: &EyeKnobs) -> EyeKnobs {
+        let none = EyeKnobs::default();
+        if self.view_rad > std::f64::consts::PI {
+            EyeKnobs { focal_ratio: none.focal_ratio, distortion: none.distortion, ..eye.clone() }
+        } else {
+            EyeKnobs { eccentricity: none.eccentricity, bearing_ratio: none.bearing_ratio, ..eye.clone() }
+        }
     }
 }
 
-/// By how much the image puts something off the axis farther out than it is. Beyond a right angle no lens sees.
+/// By how much the image, or the mirror, puts something off the axis farther out than it is. Beyond a right angle no lens sees.
 fn bent_rad(off_axis_rad: f64, eye: &EyeKnobs) -> f64 {
+    let by_mirror_rad = (eye.bearing_ratio - 1.0) * off_axis_rad + eye.eccentricity * (1.0 - cos(off_axis_rad));
     if (eye.distortion, eye.focal_ratio) == (0.0, 1.0) || off_axis_rad.abs() >= std::f64::consts::FRAC_PI_2 {
-        return 0.0;
+        return by_mirror_rad;
     }
     let r = tan(off_axis_rad);
     atan2(eye.magnification(r * r) * r, 1.0) - off_axis_rad

@@ -195,12 +195,19 @@ fn ranges_and_bearings_are_the_sensors() {
     // The robot turned to the left by 0.1 rad/s: what is seen late is seen from farther right, farther to the left.
     let late = with("image_delay", "delay_s", 0.25).bearing_rad;
     assert!((late - (bearing_rad + 0.025)).abs() < 3e-3, "{late} {bearing_rad}");
-    // A camera has no disc of angles; a scanner's bends what it sees.
-    assert_eq!(with("encoder_eccentricity", "share", 0.1), seen);
+    // A camera has no mirror, and a scanner no lens.
+    let effect = |name, parameter, value| effects(&[(name, parameter, value)]);
+    let of_mirrors = [effect("encoder_eccentricity", "share", 0.1), effect("bearing_scale", "ratio", 1.1)];
+    let of_lenses = [effect("focal_error", "ratio", 1.1), effect("lens_distortion", "radial", -0.2)];
+    let by = |config: &CreateConfig, effects: &Effects| last(&drive(config, effects, turned, 6.0));
+    assert!(of_mirrors.iter().all(|it| by(&config, it) == seen) && of_lenses.iter().all(|it| by(&config, it) != seen));
     config.sight.view_rad = 4.0;
-    let bent = last(&drive(&config, &effects(&[("encoder_eccentricity", "share", 0.1)]), turned, 6.0));
-    let bent_rad = 0.1 * (1.0 - asami_math::elementary::cos(bearing_rad));
-    assert!((bent.bearing_rad - (bearing_rad + bent_rad)).abs() < 1e-9 && bent.size == seen.size);
+    assert!(of_lenses.iter().all(|it| by(&config, it) == seen));
+    let bent_rad = [0.1 * (1.0 - asami_math::elementary::cos(bearing_rad)), 0.1 * bearing_rad];
+    for (effects, bent_rad) in of_mirrors.iter().zip(bent_rad) {
+        let read = by(&config, effects);
+        assert!((read.bearing_rad - (bearing_rad + bent_rad)).abs() < 1e-9 && read.size == seen.size);
+    }
 }
 
 /// While the robot turns, frames a tenth of a second apart and pictures 0.08 s apart show a landmark by turns where it is, and where it
