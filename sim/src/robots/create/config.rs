@@ -48,7 +48,7 @@ asami_dataset::parameters! {
         ticks_per_frame: u32 = 5, "1", 1.0..=100.0;
         /// The sensor ahead of the middle between the wheels.
         ahead_m: f64 = 0.0, "m", -0.5..=0.5;
-        /// Width of what it sees.
+        /// Width of what it sees: a camera, or more than half a circle, and it is a scanner.
         view_rad: f64 = 1.0, "rad", 0.1..=6.3;
         /// Landmarks nearer to the sensor are not recognised.
         near_m: f64 = 0.3, "m", 0.05..=50.0;
