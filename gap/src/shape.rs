@@ -20,6 +20,9 @@ const FAR_BINS: usize = 4;
 /// Bins of the angle off the image's centre, the same.
 const OFF_BINS: usize = 8;
 
+/// Columns of the bearing that every sensor has; a scanner has one more.
+const OF_ANY_BEARING: usize = 6;
+
 /// Share of sightings of something else that are not even in view, or of a size that nothing has.
 const ANYTHING: f64 = 0.05;
 
@@ -108,7 +111,7 @@ impl Shape {
             Numbers::Motion => 3 * self.columns.len(),
             Numbers::MotionNoise => 3 * (CHANGING + 1),
             Numbers::Size => self.curve_width() + 3 + usize::from(self.ranges),
-            Numbers::Bearing => 6 + usize::from(self.scans()),
+            Numbers::Bearing => OF_ANY_BEARING + usize::from(self.scans()),
             // Of a single landmark the place cannot be told from the robot's own.
             Numbers::Moved if self.landmarks > 1 => 2 * self.landmarks,
             Numbers::Moved => 0,
@@ -213,8 +216,9 @@ impl Shape {
         columns.fill(0.0);
         let d = sight.distance_m.max(0.05);
         let off = self.inside(sight.off_rad);
-        let of_any = [1.0, off, off * off * off, sight.pan_rad_per_s, sight.attempt[2], sin(sight.bearing_rad) / d];
-        let (any, of_scanner) = columns.split_at_mut(of_any.len());
+        let of_any: [f64; OF_ANY_BEARING] =
+            [1.0, off, off * off * off, sight.pan_rad_per_s, sight.attempt[2], sin(sight.bearing_rad) / d];
+        let (any, of_scanner) = columns.split_at_mut(OF_ANY_BEARING);
         any.copy_from_slice(&of_any);
         // What an angle encoder is off comes again with each turn.
         of_scanner.fill(1.0 - cos(off));
@@ -232,7 +236,7 @@ impl Shape {
         if off != sight.off_rad {
             return [0.0; 2];
         }
-        let of_turn = bearing.get(6).map_or(0.0, |it| it * sin(off));
+        let of_turn = bearing.get(OF_ANY_BEARING).map_or(0.0, |it| it * sin(off));
         let of_bearing = bearing[1] + 3.0 * off * off * bearing[2] + of_turn;
         let (d, extra) = (sight.distance_m.max(0.05), self.curve_width());
         let of_skew = if self.ranges { d * cos(sight.bearing_rad) * size[extra + 3] } else { 0.0 };

@@ -63,7 +63,7 @@ impl Entry {
             // Below the next, splines are near to a line from nothing, of which the least size tells least.
             sizes.remove(0);
         }
-        if !shows(nominal, &base.shape, variant, *sizes.last().unwrap_or(&0.0))? {
+        if !shows(nominal, &base.shape, variant, budget.run_s.min(SHOWS_S))? {
             return Ok(Self {
                 kind: variant.name(),
                 sizes,
@@ -176,12 +176,12 @@ impl Entry {
 
 /// Whether logs show such an effect at all. A robot that knows where it is by a single landmark cannot tell that the landmark stands
 /// elsewhere; and not every sensor has what an effect is of.
-fn shows(nominal: &dyn Nominal, shape: &Shape, variant: &Variant, greatest: f64) -> Result<bool, CannotPlay> {
+fn shows(nominal: &dyn Nominal, shape: &Shape, variant: &Variant, until_s: f64) -> Result<bool, CannotPlay> {
     if variant.place() != Place::Sensing {
         return Ok(shape.landmarks > 1 || variant.place() != Place::Scene);
     }
-    let seen = |planted: &[Planted]| Ok(play(nominal, planted, Seed(FIRST_SEED), SHOWS_S)?.log.sightings);
-    Ok(seen(&[Planted { variant: variant.clone(), size: greatest }])? != seen(&[])?)
+    let seen = |planted: &[Planted]| Ok(play(nominal, planted, Seed(FIRST_SEED), until_s)?.log.sightings);
+    Ok(seen(&[Planted { variant: variant.clone(), size: variant.sizes().1 }])? != seen(&[])?)
 }
 
 /// How an effect's changes run over its sizes: delays cross from one age to the next, and what sensing does is seen so

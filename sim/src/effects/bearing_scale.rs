@@ -9,7 +9,7 @@ effect! {
     BearingScale, "bearing_scale",
     "A scanner's bearings are a multiple of what they should be: its mirror turns at another rate than it counts by.",
     Sensing, Sensor, fits ["create"],
-    source "by motion capture of \"Lost in the Woods\" (Barfoot) bearings are spread by 0.2 to 0.3 %; a scanner set to 10 turns a second is 3.5 % off in the KITTI recordings",
+    source "by motion capture of \"Lost in the Woods\" (Barfoot) bearings are spread by 0.2 %; a scanner set to 10 turns a second is 3.5 % off in the KITTI recordings",
     drawn [ratio: Size { way: Either, least: 0.0005, greatest: 0.05 }],
     {
         /// Factor on bearings.

@@ -1,5 +1,7 @@
 //! What the sensor on the deck reports: ranges and bearings of landmarks.
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 use asami_dataset::{Beacon, Rng, Sighting, Size, TruePose};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, cos, exp, hypot, sin, sin_cos, tan};
@@ -48,7 +50,6 @@ impl Sight {
         lasting: &Lasting,
         rng: &mut Rng,
     ) -> Vec<Sighting> {
-        let eye = self.what_it_has(eye);
         let [old, new] = [self.lasting_share, 1.0 - self.lasting_share].map(f64::sqrt);
         let (sin_theta, cos_theta) = sin_cos(pose.theta_rad);
         let (x_m, y_m) = (pose.x_m - self.ahead_m * sin_theta, pose.y_m + self.ahead_m * cos_theta);
@@ -60,14 +61,14 @@ impl Sight {
             let (right_m, ahead_m) = (beacon.x_m - x_m, beacon.y_m - y_m);
             let distance_m = hypot(right_m, ahead_m);
             let bearing_rad = wrap_rad(atan2(-right_m, ahead_m) - pose.theta_rad);
-            let read_rad = bearing_rad + bent_rad(bearing_rad, &eye);
+            let read_rad = bearing_rad + self.bent_rad(bearing_rad, eye);
             let seen = (self.near_m..=self.far_m).contains(&distance_m) && read_rad.abs() <= 0.5 * self.view_rad;
             (recognised && seen).then(|| {
                 // From the sensor itself, or only along its axis.
                 let lacks = eye.depth_share * (1.0 - cos(bearing_rad)) - eye.range_skew * sin(bearing_rad);
                 let measured_m = distance_m * (1.0 - lacks);
                 // By how large it is in the image.
-                let measured_m = measured_m / eye.focal_ratio;
+                let measured_m = if self.scans() { measured_m } else { measured_m / eye.focal_ratio };
                 let range_m = measured_m * eye.range_ratio + eye.range_offset_m;
                 Sighting {
                     t_s,
@@ -82,23 +83,21 @@ impl Sight {
         sightings.filter(|sighting| sighting.size.value() > 0.0).collect()
     }
 
-    /// A camera has a lens; what sees more than half a circle is a scanner, and has a mirror that turns.
-    fn what_it_has(&self, eye: &EyeKnobs) -> EyeKnobs {
-        let none = EyeKnobs::default();
-        if self.view_rad > std::f64::consts::PI {
-            EyeKnobs { focal_ratio: none.focal_ratio, distortion: none.distortion, ..eye.clone() }
-        } else {
-            EyeKnobs { eccentricity: none.eccentricity, bearing_ratio: none.bearing_ratio, ..eye.clone() }
-        }
+    /// What sees more than half a circle is a scanner, and has a mirror that turns; what sees less is a camera, and has a lens.
+    fn scans(&self) -> bool {
+        self.view_rad > PI
     }
-}
 
-/// By how much the image, or the mirror, puts something off the axis farther out than it is. Beyond a right angle no lens sees.
-fn bent_rad(off_axis_rad: f64, eye: &EyeKnobs) -> f64 {
-    let by_mirror_rad = (eye.bearing_ratio - 1.0) * off_axis_rad + eye.eccentricity * (1.0 - cos(off_axis_rad));
-    if (eye.distortion, eye.focal_ratio) == (0.0, 1.0) || off_axis_rad.abs() >= std::f64::consts::FRAC_PI_2 {
-        return by_mirror_rad;
+    /// By how much the image, or the mirror, puts something off the axis farther out than it is.
+    fn bent_rad(&self, off_axis_rad: f64, eye: &EyeKnobs) -> f64 {
+        if self.scans() {
+            return (eye.bearing_ratio - 1.0) * off_axis_rad + eye.eccentricity * (1.0 - cos(off_axis_rad));
+        }
+        // Beyond a right angle no lens sees.
+        if (eye.distortion, eye.focal_ratio) == (0.0, 1.0) || off_axis_rad.abs() >= FRAC_PI_2 {
+            return 0.0;
+        }
+        let r = tan(off_axis_rad);
+        atan2(eye.magnification(r * r) * r, 1.0) - off_axis_rad
     }
-    let r = tan(off_axis_rad);
-    atan2(eye.magnification(r * r) * r, 1.0) - off_axis_rad
 }
