@@ -159,9 +159,9 @@ fn of_cause(cause: &Cause) -> String {
 pub fn estimated(path: &str, estimate: &Estimate) -> String {
     let [low, high] = estimate.interval;
     let unit = unit(path).filter(|unit| *unit != "1").map(|unit| format!(" {unit}")).unwrap_or_default();
-    let value = digits(estimate.value);
+    let value = size(path, estimate.value);
     let end = if estimate.at_end { ", the largest that is known" } else { "" };
-    let interval = if low == high { String::new() } else { format!(" ({} to {})", digits(low), digits(high)) };
+    let interval = if low == high { String::new() } else { format!(" ({} to {})", size(path, low), size(path, high)) };
     format!("{value}{interval}{unit}{end}")
 }
 
@@ -206,6 +206,17 @@ pub fn digits(value: f64) -> String {
     format!("{value:.*}", decimals as usize)
 }
 
+/// A size of a parameter `NAME.PARAM`: three digits, and of a factor that is nearly 1 two of what it is off.
+#[must_use]
+pub fn size(path: &str, value: f64) -> String {
+    let off = (value - 1.0).abs();
+    if !path.ends_with("ratio") || off == 0.0 || off >= 0.1 {
+        return digits(value);
+    }
+    let decimals = (1.0 - off.log10().floor()).clamp(3.0, 4.0);
+    format!("{value:.*}", decimals as usize)
+}
+
 /// A probability, never rounded to certainty.
 #[must_use]
 pub fn share(probability: f64) -> String {
@@ -225,9 +236,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_have_three_digits_and_probabilities_are_never_certain() {
+    fn numbers_have_three_digits_that_tell_and_probabilities_are_never_certain() {
         let read = [0.0812345, 1234.5, -2.345678, 0.0, 1e-7].map(digits);
         assert_eq!(read, ["0.0812", "1234", "-2.35", "0", "0.000000100"]);
+        let factors = [1.0, 1.02, 0.9948, 1.00213, 0.99996, 0.8976, 1.3].map(|it| size("wheel_base.ratio", it));
+        assert_eq!(factors, ["1.00", "1.020", "0.9948", "1.0021", "1.0000", "0.898", "1.30"]);
+        assert_eq!(size("turn_slowing.loss_s2", 1.02), "1.02");
         assert_eq!([0.99999, 1.0, 0.0001, 0.93].map(share), ["> 0.999", "1.000", "< 0.001", "0.930"]);
     }
 

@@ -65,9 +65,11 @@ pub fn table(records: &[Record]) -> Table {
         };
         let cause = said(diagnosis);
         let main = cause.and_then(|cause| main(record, cause));
-        let shown = |value: Option<f64>| value.map_or_else(Cell::default, |value| words::digits(value).into());
-        let interval = main.map_or_else(String::new, |(_, it)| {
-            let [low, high] = it.interval.map(words::digits);
+        let size = |(name, _): (&str, &Estimate), value: f64| words::size(name, value);
+        let shown =
+            |value: Option<f64>| main.zip(value).map_or_else(Cell::default, |(main, value)| size(main, value).into());
+        let interval = main.map_or_else(String::new, |main| {
+            let [low, high] = main.1.interval.map(|end| size(main, end));
             format!("{low} to {high}")
         });
         table = table.row(

@@ -143,20 +143,21 @@ pub fn table(all: &[Common]) -> Table {
     );
     for it in all {
         let row = |robot: Cell, own: String, of: &Believed, capture: Option<f64>| -> [Cell; 8] {
-            let [low, high] = of.interval.map(words::digits);
+            let size = |value: f64| words::size(&it.parameter, value);
+            let [low, high] = of.interval.map(size);
             [
                 it.log.clone().into(),
                 it.parameter.clone().into(),
                 words::unit(&it.parameter).unwrap_or_default().into(),
                 robot,
                 own.into(),
-                words::digits(of.mean).into(),
+                size(of.mean).into(),
                 format!("{low} to {high}").into(),
-                capture.map_or_else(Cell::default, |it| words::digits(it).into()),
+                capture.map_or_else(Cell::default, |it| size(it).into()),
             ]
         };
         for (of, believed) in it.robots.iter().zip(&it.believed.each) {
-            let own = format!("{} ± {}", words::digits(of.found), words::digits(of.error));
+            let own = format!("{} ± {}", words::size(&it.parameter, of.found), words::digits(of.error));
             table = table.row(RowKind::Ours, row(Cell::number(f64::from(of.robot), 0), own, believed, of.capture));
         }
         let scatter = format!("± {}", words::digits(it.believed.scatter));

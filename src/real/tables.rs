@@ -270,7 +270,8 @@ fn held(records: &[Record]) -> Table {
                 let cause = of_part(records, record, part)?.diagnosis.as_ref().and_then(said)?;
                 cause.parameters.get(parameter).map(|it| it.value)
             };
-            let shown = |value: Option<f64>| value.map_or_else(Cell::default, |value| words::digits(value).into());
+            let shown =
+                |value: Option<f64>| value.map_or_else(Cell::default, |value| words::size(parameter, value).into());
             let [low, high] = estimate.interval;
             table = table.row(
                 RowKind::Ours,
@@ -279,8 +280,8 @@ fn held(records: &[Record]) -> Table {
                     robot(record),
                     parameter.clone().into(),
                     words::unit(parameter).unwrap_or_default().into(),
-                    words::digits(estimate.value).into(),
-                    format!("{} to {}", words::digits(low), words::digits(high)).into(),
+                    words::size(parameter, estimate.value).into(),
+                    format!("{} to {}", words::size(parameter, low), words::size(parameter, high)).into(),
                     shown(record.capture.get(parameter).copied()),
                     shown(half(Part::FirstHalf)),
                     shown(half(Part::SecondHalf)),
