@@ -47,14 +47,32 @@ impl<'a> Sighted<'a> {
     /// # Errors
     /// [`CannotSee`] says what the log lacks.
     pub fn new(log: &Log, library: &'a Library) -> Result<Self, CannotSee> {
-        Self::scoring(log, library, |_| true)
+        let Base { shape, numbers, .. } = &library.base;
+        Self::begun(log, library, numbers, |view| Start::find(shape, numbers, view), |_| true)
     }
 
-    /// Looks at a log, of which the times for which `of` says so are scored.
+    /// Looks at a log, of which the times for which `of` says so are scored, and whose robot starts where it is likeliest to with these
+    /// effects in the world: without them it may seem to stand metres away, from where no filter finds back for a while.
     ///
     /// # Errors
     /// [`CannotSee`] says what the log lacks.
-    pub fn scoring(log: &Log, library: &'a Library, of: impl Fn(f64) -> bool) -> Result<Self, CannotSee> {
+    pub fn scoring(
+        log: &Log,
+        library: &'a Library,
+        with: &[Planted],
+        of: impl Fn(f64) -> bool,
+    ) -> Result<Self, CannotSee> {
+        let (Base { shape, memory, .. }, numbers) = (&library.base, library.numbers(with));
+        Self::begun(log, library, &numbers, |view| Start::closely(shape, &numbers, *memory, view), of)
+    }
+
+    fn begun(
+        log: &Log,
+        library: &'a Library,
+        numbers: &[f64],
+        start: impl Fn(&View) -> Start,
+        of: impl Fn(f64) -> bool,
+    ) -> Result<Self, CannotSee> {
         let mut view = View::new(log, &library.base.shape.columns)?;
         if !library.base.rhythm.is_silent() {
             let heard = heard(&library.base, &view);
@@ -63,11 +81,11 @@ impl<'a> Sighted<'a> {
         for step in &mut view.steps {
             step.astray = library.astray.iter().any(|[from_s, to_s]| (*from_s..*to_s).contains(&step.t_s));
         }
-        let Start { begin, belief: start } = Start::find(&library.base.shape, &library.base.numbers, &view);
+        let Start { begin, belief: start } = start(&view);
         let settled_s = view.steps[begin].t_s + SETTLING_S;
         let counts = |step: &Step| step.t_s >= settled_s && !step.astray && of(step.t_s);
         let scored: Vec<bool> = view.steps[begin..].iter().map(counts).collect();
-        let counted = counted(&library.base.shape, &library.base.numbers, &view, begin, &mut start.clone());
+        let counted = counted(&library.base.shape, numbers, &view, begin, &mut start.clone());
         let steps = view.steps[begin..].iter().zip(&scored).filter(|(_, scored)| **scored);
         let moments = steps.map(|(step, _)| Moment { t_s: step.t_s, seen: step.seen.len() }).collect();
         Ok(Self { library, memory: library.base.memory, view, start, begin, scored, counted, moments })

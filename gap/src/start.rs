@@ -1,6 +1,7 @@
 //! Where a robot is when a log begins: of several places around one of the first landmarks that are reported, the likeliest.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, ln, logistic, sin_cos};
@@ -13,7 +14,22 @@ use crate::state::Belief;
 use crate::view::{Seen, View};
 
 /// Starts tried around a landmark.
-const STARTS: usize = 36;
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Ring {
+    /// How many.
+    starts: usize,
+    /// How unsure each of them is, in metres to each side and in radians.
+    unsure: f64,
+}
+
+/// Where little is known of a sensor.
+const WIDE: Ring = Ring { starts: 36, unsure: 0.3 };
+/// Where its bearings are known to a hundredth of a radian, a step on the other ring is many standard deviations: no filter takes it as it
+/// is.
+const CLOSE: Ring = Ring { starts: 180, unsure: 0.1 };
+/// So many of the likeliest are tried on so many times as many steps: a filter that took its first sightings in too boldly is lost later.
+const FINALISTS: usize = 12;
+const LONG: usize = 5;
 /// Any of so many sightings may be the first that is not of something else.
 const ANCHORS: usize = 8;
 /// Each start is tried on so many sightings,
@@ -32,37 +48,74 @@ pub struct Start {
     pub belief: Belief,
 }
 
+/// A start that was tried.
+struct Tried {
+    start: Start,
+    /// How likely what is seen before it is, as it was of something else.
+    passed: f64,
+    /// The same with what is seen from it on, in so many sightings as are tried.
+    likely: f64,
+}
+
 impl Start {
     /// The likeliest under a response.
     #[must_use]
     pub fn find(shape: &Shape, numbers: &[f64], view: &View) -> Self {
-        let anywhere = Self { begin: 0, belief: ring(0.0, [0.0; 2], 1.0, 0.0, true) };
-        let Some(first) = view.steps.iter().position(|step| !step.seen.is_empty()) else { return anywhere };
-        let seen = view.steps[first].seen.start;
-        let mut of_each = vec![0; view.landmarks.len()];
-        let before = view.steps[first..].iter().take_while(|step| {
-            view.seen[step.seen.clone()].iter().for_each(|seen| of_each[seen.landmark] += 1);
-            !tell(&of_each)
-        });
-        let last = first + before.count();
         let walk = Walk { shape, numbers, memory: Memory::default(), view, counted: UNCOUNTED };
-        let mut best: Option<(f64, Self)> = None;
-        // What is seen before a start was of something else.
-        let mut passed = 0.0;
-        for begin in (first..last.max(first + 1)).take_while(|i| view.steps[*i].seen.start < seen + ANCHORS) {
-            let step = &view.steps[begin];
-            for anchor in step.seen.clone() {
-                for belief in around(shape, numbers, view, &view.seen[anchor]) {
-                    let likely = passed + walk.filter(begin..last, &mut belief.clone()).total(0);
-                    if best.as_ref().is_none_or(|(most, _)| likely > *most) {
-                        best = Some((likely, Self { begin, belief }));
-                    }
-                }
-            }
-            passed += step.seen.clone().fold(0.0, |sum, i| sum + ln_of_another(shape, numbers, view, begin, i));
-        }
-        best.map_or(anywhere, |(_, start)| start)
+        let (tried, _) = tried(&walk, &[WIDE]);
+        tried.into_iter().reduce(likelier).map_or_else(Self::anywhere, |it| it.start)
     }
+
+    /// The likeliest under a response that is known so well that a step on the usual ring is many standard deviations, and whose noise
+    /// hangs together like this: also of starts closer to one another, and of the likeliest of all that which is so in the long run.
+    #[must_use]
+    pub fn closely(shape: &Shape, numbers: &[f64], memory: Memory, view: &View) -> Self {
+        let walk = Walk { shape, numbers, memory, view, counted: UNCOUNTED };
+        let (mut tried, steps) = tried(&walk, &[WIDE, CLOSE]);
+        tried.sort_by(|a, b| b.likely.total_cmp(&a.likely));
+        let last = (steps.start + LONG * steps.len()).min(view.steps.len());
+        let in_the_long_run = tried.into_iter().take(FINALISTS).map(|it| {
+            let likely = it.passed + walk.filter(it.start.begin..last, &mut it.start.belief.clone()).total(0);
+            Tried { likely, ..it }
+        });
+        in_the_long_run.reduce(likelier).map_or_else(Self::anywhere, |it| it.start)
+    }
+
+    /// Of a log in which nothing is seen.
+    fn anywhere() -> Self {
+        Self { begin: 0, belief: seen_towards(0.0, ([0.0; 2], 1.0), 0.0, true, WIDE.unsure) }
+    }
+}
+
+/// The first of the likelier ones.
+fn likelier(a: Tried, b: Tried) -> Tried {
+    if b.likely > a.likely { b } else { a }
+}
+
+/// Starts around the first landmarks that are reported, and the steps that they were tried on.
+fn tried(walk: &Walk<'_>, rings: &[Ring]) -> (Vec<Tried>, Range<usize>) {
+    let Walk { shape, numbers, view, .. } = *walk;
+    let Some(first) = view.steps.iter().position(|step| !step.seen.is_empty()) else { return (Vec::new(), 0..0) };
+    let seen = view.steps[first].seen.start;
+    let mut of_each = vec![0; view.landmarks.len()];
+    let before = view.steps[first..].iter().take_while(|step| {
+        view.seen[step.seen.clone()].iter().for_each(|seen| of_each[seen.landmark] += 1);
+        !tell(&of_each)
+    });
+    let last = first + before.count();
+    let (mut tried, mut passed) = (Vec::new(), 0.0);
+    for begin in (first..last.max(first + 1)).take_while(|i| view.steps[*i].seen.start < seen + ANCHORS) {
+        let step = &view.steps[begin];
+        for anchor in step.seen.clone() {
+            let all = rings.iter().flat_map(|ring| around(shape, numbers, view, &view.seen[anchor], *ring));
+            tried.extend(all.map(|belief| {
+                let likely = passed + walk.filter(begin..last, &mut belief.clone()).total(0);
+                Tried { start: Start { begin, belief }, passed, likely }
+            }));
+        }
+        passed += step.seen.clone().fold(0.0, |sum, i| sum + ln_of_another(shape, numbers, view, begin, i));
+    }
+    (tried, first..last)
 }
 
 /// Whether so many sightings of each landmark tell starts apart, or are enough to try.
@@ -80,24 +133,31 @@ fn ln_of_another(shape: &Shape, numbers: &[f64], view: &View, step: usize, seen:
 }
 
 /// The poses from which a landmark is where it is reported; before a single landmark they are all the same.
-fn around(shape: &Shape, numbers: &[f64], view: &View, seen: &Seen) -> Vec<Belief> {
+fn around(shape: &Shape, numbers: &[f64], view: &View, seen: &Seen, ring: Ring) -> Vec<Belief> {
     let distance_m = distance(shape, &numbers[shape.range(Numbers::Size)], seen.size);
     let at = view.landmarks[seen.landmark];
     let only = view.landmarks.len() == 1;
-    let turns = if only { 1 } else { STARTS };
-    let turn = |i: usize| TAU * i as f64 / STARTS as f64;
-    (0..turns).map(|i| seen_from(view, ring(turn(i), at, distance_m, seen.bearing_rad, only))).collect()
+    let turns = if only { 1 } else { ring.starts };
+    let turn = |i: usize| TAU * i as f64 / ring.starts as f64;
+    let sensor = |i: usize| seen_towards(turn(i), (at, distance_m), seen.bearing_rad, only, ring.unsure);
+    (0..turns).map(|i| seen_from(view, sensor(i))).collect()
 }
 
 /// The pose from which a landmark in direction `towards_rad` of the world stands at a distance and a bearing.
-fn ring(towards_rad: f64, [x_m, y_m]: [f64; 2], distance_m: f64, bearing_rad: f64, only: bool) -> Belief {
+fn seen_towards(
+    towards_rad: f64,
+    ([x_m, y_m], distance_m): ([f64; 2], f64),
+    bearing_rad: f64,
+    only: bool,
+    unsure: f64,
+) -> Belief {
     let (sin, cos) = sin_cos(towards_rad);
     let mean = Vector3::new(x_m + distance_m * sin, y_m - distance_m * cos, wrap_rad(towards_rad - bearing_rad));
     // Across the line of sight a pose before a single landmark is a matter of naming.
-    let (along, across) = (0.09, if only { 1e-8 } else { 0.09 });
+    let (along, across) = (unsure * unsure, if only { 1e-8 } else { unsure * unsure });
     let ray = Vector3::new(-sin, cos, 0.0);
     let side = Vector3::new(cos, sin, 0.0);
-    let heading = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, 0.09));
+    let heading = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, unsure * unsure));
     Belief { mean, covariance: along * ray * ray.transpose() + across * side * side.transpose() + heading }
 }
 

@@ -16,7 +16,7 @@ use asami_gap::real::kin::Kin;
 use asami_gap::real::layers::{Least, layers, planted as of_layers};
 use asami_gap::shape::Numbers;
 use asami_gap::view::View;
-use asami_gap::{Library, Planted, Responds, Variant, real};
+use asami_gap::{Library, Planted, Responds, Sighted, Variant, real};
 use rand_distr::{Distribution, StandardNormal};
 
 mod world;
@@ -203,10 +203,10 @@ fn noise_is_learned_where_nothing_is_diagnosed_with_it() {
     let ratio = |fold: usize| (noisy[fold].base.numbers[at] - library().base.numbers[at]).exp();
     assert!((ratio(0) - 1.0).abs() < 0.2 && (ratio(1) - 2.0).abs() < 0.4, "{} {}", ratio(0), ratio(1));
     // Each block's terms are those under its own noise.
-    let crossed = Crossed::new(&log, &noisy, folds).unwrap();
+    let crossed = Crossed::new(&log, &noisy, folds, &[]).unwrap();
     let (numbers, terms) = (crossed.numbers(&[]), crossed.terms(&crossed.numbers(&[])));
     for (fold, library) in noisy.iter().enumerate() {
-        let alone = library.judge(&log).unwrap();
+        let alone = Sighted::scoring(&log, library, &[], |_| true).unwrap();
         let of_alone = alone.terms(&alone.numbers(&[]));
         assert_eq!(alone.steps(), crossed.steps());
         for (i, step) in crossed.steps().iter().enumerate().filter(|(_, step)| folds.of(step.t_s) == fold) {
@@ -225,7 +225,8 @@ fn folds_of_one_noise_are_one_log() {
     let planted = [planted("command_scale", -1.0, 0.1)];
     let log = log([1.0; 3], &planted, 21);
     let two = [library().clone(), library().clone()];
-    let (crossed, whole) = (Crossed::new(&log, &two, Folds::default()).unwrap(), library().judge(&log).unwrap());
+    let crossed = Crossed::new(&log, &two, Folds::default(), &[]).unwrap();
+    let whole = Sighted::scoring(&log, library(), &[], |_| true).unwrap();
     assert_eq!(crossed.steps(), whole.steps());
     for planted in [&[][..], &planted] {
         let numbers = whole.numbers(planted);

@@ -37,12 +37,14 @@ impl Part<'_> {
 }
 
 impl<'a> Crossed<'a> {
-    /// Looks at a log, of which each fold is held against the library of its number.
+    /// Looks at a log, of which each fold is held against the library of its number, and whose robot starts where it is likeliest to
+    /// with these effects in the world.
     ///
     /// # Errors
     /// [`CannotSee`] says what the log lacks.
-    pub fn new(log: &Log, libraries: &'a [Library], folds: Folds) -> Result<Self, CannotSee> {
-        let fold = |(k, library): (usize, &'a Library)| Sighted::scoring(log, library, move |t_s| folds.of(t_s) == k);
+    pub fn new(log: &Log, libraries: &'a [Library], folds: Folds, with: &[Planted]) -> Result<Self, CannotSee> {
+        let fold =
+            |(k, library): (usize, &'a Library)| Sighted::scoring(log, library, with, move |t_s| folds.of(t_s) == k);
         let judges: Vec<Sighted<'a>> = libraries.iter().enumerate().map(fold).collect::<Result<_, _>>()?;
         let mut steps: Vec<(Moment, usize)> = Vec::new();
         for (k, judge) in judges.iter().enumerate() {

@@ -37,7 +37,7 @@ use folds::Folds;
 use kin::Kin;
 use layers::{Layer, Least, Rival, beside_one_another, layers, planted, thought_again};
 use unsettled::settled;
-use unsure::{sized, sized_or_at_the_top};
+use unsure::sized;
 use whole::whole;
 
 /// Noise is learned, effects are named, and again, for the noise is what the effects leave; the likeliest of these counts.
@@ -98,14 +98,6 @@ impl Search {
         }
     }
 
-    /// How large they are.
-    fn sized(self, judge: &dyn Judge, variants: &[Variant], found: Vec<Layer>, least: &Least) -> Vec<Layer> {
-        match self {
-            Self::Forwards => sized(judge, variants, found, least),
-            Self::BothWays => sized_or_at_the_top(judge, variants, found, least),
-        }
-    }
-
     /// What is left of them when each, and all of them at once, are thought of again.
     fn again(self, judge: &dyn Judge, variants: &[Variant], found: Vec<Layer>, least: &Least) -> Vec<Layer> {
         let mut found = thought_again(judge, variants, found, least);
@@ -147,9 +139,10 @@ pub fn diagnose_among(
         let with = planted(&found);
         let of_others = |fold: usize| library.noisy_as(log, |t_s| folds.of(t_s) != fold, &with, before.get(fold));
         let noisy: Vec<Library> = (0..folds.count).into_par_iter().map(of_others).collect::<Result<_, _>>()?;
-        let judge = Crossed::new(log, &noisy, folds)?;
+        let judge = Crossed::new(log, &noisy, folds, &with)?;
         found = search.layers(&judge, &variants, &least);
-        let likely = judge.log_likelihood(&planted(&found));
+        // A robot that is known to be somewhere later has fewer steps that are scored.
+        let likely = judge.log_likelihood(&planted(&found)) / judge.steps().len() as f64;
         if round < LOOKING {
             astray::add(&mut library.astray, &judge, &planted(&found));
         } else if likely > best.0 {
@@ -158,10 +151,10 @@ pub fn diagnose_among(
         before = noisy;
     }
     let (_, noisy, found) = best;
-    let judge = Crossed::new(log, &noisy, folds)?;
+    let judge = Crossed::new(log, &noisy, folds, &planted(&found))?;
     let found = search.again(&judge, &variants, found, &least);
     let (found, unsettled) = settled(&judge, found);
-    let found = search.sized(&judge, &variants, found, &least);
+    let found = sized(&judge, &variants, found, &least);
     let astray_s = library.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
     let noise = noise::compared(nominal, &noisy);
     Ok(Diagnosis { astray_s: Some(astray_s), noise, unsettled, ..assembled(&judge, &variants, &found) })

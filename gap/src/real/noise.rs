@@ -218,7 +218,7 @@ impl Library {
         planted: &[Planted],
         before: Option<&Self>,
     ) -> Result<Self, CannotSee> {
-        let mut judge = Sighted::scoring(log, self, of)?;
+        let mut judge = Sighted::scoring(log, self, planted, of)?;
         let mut numbers = self.numbers(planted);
         for of in NOISE.map(|group| self.base.shape.range(group)) {
             numbers[of.clone()].copy_from_slice(&before.unwrap_or(self).base.numbers[of]);

@@ -83,20 +83,14 @@ fn worlds(judge: &dyn Judge, variants: &[Variant], named: &[Planted], least: &Le
     shared.filter(|it| it.share >= HARDLY).collect()
 }
 
-/// Layers at the sizes that are believed, whatever else there may be.
+/// Layers at the sizes that are believed, whatever else there may be; but at those that they have where what is believed is so much less
+/// likely that no ridge can lead there: a likelihood with several tops is bent like none of them. How unsure they are then is taken to be
+/// how far off what is believed reaches, to either side.
 #[must_use]
 pub fn sized(judge: &dyn Judge, variants: &[Variant], layers: Vec<Layer>, least: &Least) -> Vec<Layer> {
-    let found = believed(judge, &worlds(judge, variants, &planted(&layers), least));
-    with_sizes(layers, found)
-}
-
-/// The same, but at the sizes that the layers have where what is believed is so much less likely than those that no ridge can lead there:
-/// a likelihood with several tops is bent like none of them. How unsure they are then is taken to be how far
-/// off what is believed reaches, to either side.
-#[must_use]
-pub fn sized_or_at_the_top(judge: &dyn Judge, variants: &[Variant], layers: Vec<Layer>, least: &Least) -> Vec<Layer> {
     let top = planted(&layers);
-    or_at_the_top(judge, sized(judge, variants, layers, least), &top)
+    let found = believed(judge, &worlds(judge, variants, &top, least));
+    or_at_the_top(judge, with_sizes(layers, found), &top)
 }
 
 fn or_at_the_top(judge: &dyn Judge, sized: Vec<Layer>, top: &[Planted]) -> Vec<Layer> {
@@ -287,8 +281,8 @@ mod tests {
         let named = || beside_one_another(&log, &top);
         let of = |layers: Vec<Layer>| (layers[0].weighed.best.size, layers[0].weighed.interval);
         let kinds = std::slice::from_ref(&kind);
-        let believed = of(sized(&log, kinds, named(), &LEAST));
-        assert_eq!(of(sized_or_at_the_top(&log, kinds, named(), &LEAST)), believed);
+        let found = believed(&log, &worlds(&log, kinds, &top, &LEAST))[0];
+        assert_eq!(of(sized(&log, kinds, named(), &LEAST)), (found.size, found.interval));
         let size = top[0].size;
         let off = |by: f64| Believed { size: by * size, interval: [(by - 0.1) * size, (by + 0.1) * size] };
         let kept = |by: f64| of(or_at_the_top(&log, with_sizes(named(), vec![off(by)]), &top));
