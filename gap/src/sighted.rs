@@ -66,6 +66,7 @@ impl<'a> Sighted<'a> {
         Self::begun(log, library, &numbers, |view| Start::closely(shape, &numbers, *memory, view), of)
     }
 
+    /// Looks at a log whose robot starts there; what is missed counts where something is expected under these numbers.
     fn begun(
         log: &Log,
         library: &'a Library,

@@ -8,6 +8,7 @@ pub mod clock;
 pub mod commanded;
 pub mod cycle;
 pub mod foretold;
+pub mod kept;
 pub mod learning;
 pub mod make;
 pub mod odometry;

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::among::kin;
 use super::capture::steering::of_car;
 use super::capture::{Capture, capture};
+use super::kept::Kept;
 use super::learning::{Lesson, lessons};
 use super::odometry::Clocks;
 use super::scanner::{self, Checked};
@@ -127,6 +128,8 @@ struct Prepared<'a> {
     dataset: Dataset,
     clocks: Clocks,
     ready: &'a Ready,
+    /// Of log and truth.
+    hash: String,
 }
 
 /// Imports the logs, and diagnoses their parts that are not done yet.
@@ -167,13 +170,15 @@ pub fn run(
         .into_iter()
         .map(|(source, robot, dataset, clocks)| {
             let ready = &worlds[source.nominal.as_str()];
-            Prepared { source, robot, dataset, clocks, ready }
+            let hash = blake3::hash(format!("{:?}\n{:?}", dataset.log, dataset.truth).as_bytes()).to_hex();
+            Prepared { source, robot, dataset, clocks, ready, hash: hash.to_string() }
         })
         .collect();
-    let logs: Vec<String> = prepared.iter().map(|it| format!("{:?}", it.dataset.log)).collect();
+    let logs: Vec<&str> = prepared.iter().map(|it| it.hash.as_str()).collect();
     let parts = [real.hash(), logs.concat(), options.program.clone()];
     let key = blake3::hash(parts.join("\n").as_bytes()).to_hex();
-    let keeps = Keeps { store: Store::open(&options.out, key.as_ref()).map_err(crate::verb::plain)?, options, watcher };
+    let store = Store::open(&options.out, key.as_ref()).map_err(crate::verb::plain)?;
+    let keeps = Keeps { store, libraries, options, watcher };
     let records = keeps.diagnosed(&of_parts(&prepared, |_| Some(Kin::NONE)), false).map_err(crate::verb::plain)?;
     let of_kin = of_parts(&prepared, |it| kin(&records, &it.source.name, it.robot));
     let among = keeps.diagnosed(&of_kin, true).map_err(crate::verb::plain)?;
@@ -226,6 +231,7 @@ fn of_parts<'a>(prepared: &'a [Prepared<'a>], kin: impl Fn(&Prepared<'_>) -> Opt
 /// Where records are kept, and who watches them being made.
 struct Keeps<'a> {
     store: Store,
+    libraries: &'a Path,
     options: &'a Options,
     watcher: &'a dyn Watcher,
 }
@@ -233,9 +239,11 @@ struct Keeps<'a> {
 impl Keeps<'_> {
     /// Diagnoses what is not done yet.
     fn diagnosed(&self, cases: &[Case<'_>], among: bool) -> Result<Vec<Record>, CannotSweep> {
-        let name = |(it, part, _): &Case<'_>| name(&it.source.name, it.robot, *part, among);
-        let names: Vec<String> = cases.iter().map(name).collect();
-        let found = self.store.find::<Record>(&names)?;
+        let program = &self.options.program;
+        let case =
+            |(it, part, kin): &Case<'_>| (name(&it.source.name, it.robot, *part, among), it.of(*part, kin, program));
+        let kept = Kept::open(&self.store, self.libraries, cases.iter().map(case).collect())?;
+        let found = kept.find::<Record>()?;
         if !cases.is_empty() {
             self.watcher.begins(&found.count, 1);
         }
@@ -249,7 +257,7 @@ impl Keeps<'_> {
                         return Ok(done);
                     }
                     let record = Record { among, ..prepared.record(*part, kin) };
-                    self.store.keep(&names[i], &record)?;
+                    kept.keep(i, &record)?;
                     let case = trial::Case { seed: i as u64, robot: prepared.robot, ..trial::Case::default() };
                     self.watcher.finished(&case, &record.timing);
                     Ok(record)
@@ -260,6 +268,13 @@ impl Keeps<'_> {
 }
 
 impl Prepared<'_> {
+    /// All that a diagnosis of a part hangs on.
+    fn of(&self, part: Part, kin: &Kin, program: &str) -> String {
+        let Self { source, robot, clocks, ready, hash, .. } = self;
+        let asked = (&source.name, &source.nominal, &ready.held.text, source.search(), robot, part, kin);
+        format!("{asked:?}\n{clocks:?}\n{hash}\n{program}")
+    }
+
     fn record(&self, part: Part, kin: &Kin) -> Record {
         let began = Instant::now();
         let log = part.of(&self.dataset.log);

@@ -100,7 +100,8 @@ impl Store {
         self.folder.join(format!("{case}.json"))
     }
 
-    fn read<R: DeserializeOwned>(&self, case: &str) -> Option<R> {
+    /// What was done of a case.
+    pub fn read<R: DeserializeOwned>(&self, case: &str) -> Option<R> {
         let bytes = std::fs::read(self.path(case)).ok()?;
         let kept: Kept<R> = serde_json::from_slice(&bytes).ok()?;
         (kept.key == self.key).then_some(kept.record)
