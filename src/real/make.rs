@@ -142,8 +142,8 @@ pub fn table(all: &[Common]) -> Table {
          Motion capture has no part in it.",
     );
     for it in all {
+        let size = |value: f64| words::size(&it.parameter, value);
         let row = |robot: Cell, own: String, of: &Believed, capture: Option<f64>| -> [Cell; 8] {
-            let size = |value: f64| words::size(&it.parameter, value);
             let [low, high] = of.interval.map(size);
             [
                 it.log.clone().into(),
@@ -157,7 +157,7 @@ pub fn table(all: &[Common]) -> Table {
             ]
         };
         for (of, believed) in it.robots.iter().zip(&it.believed.each) {
-            let own = format!("{} ± {}", words::size(&it.parameter, of.found), words::digits(of.error));
+            let own = format!("{} ± {}", size(of.found), words::digits(of.error));
             table = table.row(RowKind::Ours, row(Cell::number(f64::from(of.robot), 0), own, believed, of.capture));
         }
         let scatter = format!("± {}", words::digits(it.believed.scatter));

@@ -142,10 +142,10 @@ pub fn diagnose_among(
         let judge = Crossed::new(log, &noisy, folds, &with)?;
         found = search.layers(&judge, &variants, &least);
         // A robot that is known to be somewhere later has fewer steps that are scored.
-        let likely = judge.log_likelihood(&planted(&found)) / judge.steps().len() as f64;
+        let likely = judge.log_likelihood(&planted(&found)) / judge.steps().len().max(1) as f64;
         if round < LOOKING {
             astray::add(&mut library.astray, &judge, &planted(&found));
-        } else if likely > best.0 {
+        } else if round == LOOKING || likely > best.0 {
             best = (likely, noisy.clone(), found.clone());
         }
         before = noisy;
