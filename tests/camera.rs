@@ -1,10 +1,16 @@
 //! What response libraries of wheeled robots say of effects on their sensors, held against what the simulator is told to do.
 
 use asami::scenario::{self, Origin, Simulation};
-use asami_dataset::{Log, Seed};
+use asami_dataset::truth::pose_at;
+use asami_dataset::{Dataset, Log, Seed};
+use asami_gap::filter::{Kalman, UNCOUNTED, Walk};
 use asami_gap::library::{Budget, play};
 use asami_gap::shape::{Numbers, Sight};
+use asami_gap::state::Belief;
+use asami_gap::view::View;
 use asami_gap::{Judge, Library, Planted, Sighted, Variant};
+use nalgebra::{Matrix3, Vector3};
+use rand_distr::{Distribution, StandardNormal};
 
 const RATIO: f64 = 0.05;
 const SKEW: f64 = 0.04;
@@ -149,4 +155,50 @@ fn a_robot_starts_where_it_is_likeliest_to_with_what_is_known() {
         })
         .collect();
     assert!(better.iter().all(|it| *it > -5.0) && better.iter().any(|it| *it > 50.0), "{better:?}");
+}
+
+/// A robot that has gone on for a while with a heading that it is unsure of, and has seen nothing, is somewhere on an arc: of most logs
+/// what it sees then is likelier to the filter that knows that, and the other is lost of some.
+#[test]
+fn a_robot_that_was_unsure_of_its_heading_is_found_on_an_arc() {
+    const OFF: [f64; 3] = [0.02, 0.02, 0.5];
+    const BLIND_S: std::ops::Range<f64> = 2.0..30.0;
+    const LENGTH_S: f64 = 60.0;
+    let exact = CAMERA.replace("sigma2_rad = 0.02", "sigma2_rad = 0.006");
+    let (world, library) = (world(&exact), library(&exact, &[]));
+    let base = &library.base;
+    let found = |seed: u64| {
+        let Dataset { log, truth, .. } = play(&*world, &[], Seed(seed), LENGTH_S).unwrap();
+        let sightings =
+            log.sightings.iter().filter(|seen| !BLIND_S.contains(&seen.t_s)).copied().collect::<Vec<_>>().into();
+        let view = View::new(&Log { frames: None, sightings, ..log }, &base.shape.columns).unwrap();
+        let begin = view.steps.iter().position(|step| BLIND_S.contains(&step.t_s)).unwrap();
+        let at = |step: usize| {
+            let pose = pose_at(&truth.track, view.steps[step].t_s).unwrap();
+            Vector3::new(pose.x_m, pose.y_m, pose.theta_rad)
+        };
+        let mut rng = Seed(seed).stream("camera/off");
+        let off = Vector3::from(OFF.map(|sd| sd * Distribution::<f64>::sample(&StandardNormal, &mut rng)));
+        let covariance = Matrix3::from_diagonal(&Vector3::from(OFF.map(|sd| sd * sd)));
+        let last = view.steps.len() - 1;
+        [Kalman::Extended, Kalman::Invariant].map(|kalman| {
+            let mut belief = Belief { mean: at(begin) + off, covariance };
+            let walk = Walk {
+                shape: &base.shape,
+                numbers: &base.numbers,
+                memory: base.memory,
+                view: &view,
+                counted: UNCOUNTED,
+                kalman,
+            };
+            let likely = walk.filter(begin..last, &mut belief).total(0);
+            let off = belief.mean - at(last - 1);
+            (likely, off.x.hypot(off.y))
+        })
+    };
+    let all: Vec<_> = (1..=SEEDS).map(found).collect();
+    let gains: Vec<f64> = all.iter().map(|[extended, invariant]| invariant.0 - extended.0).collect();
+    assert!(gains.iter().all(|it| *it > -10.0) && gains.iter().filter(|it| **it > 10.0).count() > 8, "{gains:?}");
+    let [extended, invariant] = [0, 1].map(|k| all.iter().map(|it| it[k].1).fold(0.0, f64::max));
+    assert!(extended > 1.0 && invariant < 0.02, "{extended} {invariant}");
 }

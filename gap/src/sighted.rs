@@ -4,7 +4,7 @@ use asami_dataset::Log;
 use asami_math::elementary::{exp, ln};
 
 use crate::directions::{Direction, directions};
-use crate::filter::{Counted, UNCOUNTED, Walk, counted};
+use crate::filter::{Counted, Kalman, UNCOUNTED, Walk, counted};
 use crate::hears::{Filtered, Hears, Scored, Terms};
 use crate::judge::{Channel, Innovation, Judge, Moment, Reading, Regime, Share};
 use crate::library::{Base, Library};
@@ -38,6 +38,7 @@ pub struct Sighted<'a> {
     scored: Vec<bool>,
     /// Whose being seen or missed counts; the same under every response, so that they can be compared.
     counted: Counted,
+    kalman: Kalman,
     moments: Vec<Moment>,
 }
 
@@ -48,7 +49,7 @@ impl<'a> Sighted<'a> {
     /// [`CannotSee`] says what the log lacks.
     pub fn new(log: &Log, library: &'a Library) -> Result<Self, CannotSee> {
         let Base { shape, numbers, .. } = &library.base;
-        Self::begun(log, library, numbers, |view| Start::find(shape, numbers, view), |_| true)
+        Self::begun(log, library, (numbers, Kalman::Extended), |view| Start::find(shape, numbers, view), |_| true)
     }
 
     /// Looks at a log, of which the times for which `of` says so are scored, and whose robot starts where it is likeliest to with these
@@ -63,14 +64,15 @@ impl<'a> Sighted<'a> {
         of: impl Fn(f64) -> bool,
     ) -> Result<Self, CannotSee> {
         let (Base { shape, memory, .. }, numbers) = (&library.base, library.numbers(with));
-        Self::begun(log, library, &numbers, |view| Start::closely(shape, &numbers, *memory, view), of)
+        let start = |view: &View| Start::closely(shape, &numbers, *memory, view);
+        Self::begun(log, library, (&numbers, Kalman::Invariant), start, of)
     }
 
     /// Looks at a log whose robot starts there; what is missed counts where something is expected under these numbers.
     fn begun(
         log: &Log,
         library: &'a Library,
-        numbers: &[f64],
+        (numbers, kalman): (&[f64], Kalman),
         start: impl Fn(&View) -> Start,
         of: impl Fn(f64) -> bool,
     ) -> Result<Self, CannotSee> {
@@ -86,10 +88,12 @@ impl<'a> Sighted<'a> {
         let settled_s = view.steps[begin].t_s + SETTLING_S;
         let counts = |step: &Step| step.t_s >= settled_s && !step.astray && of(step.t_s);
         let scored: Vec<bool> = view.steps[begin..].iter().map(counts).collect();
-        let counted = counted(&library.base.shape, numbers, &view, begin, &mut start.clone());
+        let (shape, memory) = (&library.base.shape, Memory::default());
+        let walk = Walk { shape, numbers, memory, view: &view, counted: UNCOUNTED, kalman };
+        let counted = counted(&walk, begin, &mut start.clone());
         let steps = view.steps[begin..].iter().zip(&scored).filter(|(_, scored)| **scored);
         let moments = steps.map(|(step, _)| Moment { t_s: step.t_s, seen: step.seen.len() }).collect();
-        Ok(Self { library, memory: library.base.memory, view, start, begin, scored, counted, moments })
+        Ok(Self { library, memory: library.base.memory, view, start, begin, scored, counted, kalman, moments })
     }
 
     /// The log filtered under a response, as far as it is scored.
@@ -114,7 +118,8 @@ impl<'a> Sighted<'a> {
     fn told_as<H: Hears>(&self, memory: Memory, numbers: &[f64], heard: H) -> (H, Vec<f64>) {
         let mut scored = Scored { scored: &self.scored, heard };
         let shape = &self.library.base.shape;
-        let walk = Walk { shape, numbers, memory, view: &self.view, counted: &self.counted };
+        let Self { view, counted, kalman, .. } = self;
+        let walk = Walk { shape, numbers, memory, view, counted, kalman: *kalman };
         let visits = walk.tell(&mut scored, self.begin..self.view.steps.len(), &mut self.start.clone());
         (scored.heard, visits)
     }
@@ -204,8 +209,9 @@ fn heard(base: &Base, view: &View) -> Vec<Heard> {
     let Start { begin, mut belief } = Start::find(shape, &rhythm.numbers, view);
     let steps = begin..view.steps.len();
     let numbers = &rhythm.numbers;
-    let filtered =
-        Walk { shape, numbers, memory: Memory::default(), view, counted: UNCOUNTED }.filter(steps, &mut belief);
+    let (memory, kalman) = (Memory::default(), Kalman::Extended);
+    let walk = Walk { shape, numbers, memory, view, counted: UNCOUNTED, kalman };
+    let filtered = walk.filter(steps, &mut belief);
     let size = &rhythm.numbers[shape.range(Numbers::Size)];
     let noise = [shape.range(Numbers::SizeNoise).start, shape.range(Numbers::BearingNoise).start];
     let sd = |i: usize| {

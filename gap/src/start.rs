@@ -7,7 +7,7 @@ use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, ln, logistic, sin_cos};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::filter::{UNCOUNTED, Walk};
+use crate::filter::{Kalman, UNCOUNTED, Walk};
 use crate::memory::Memory;
 use crate::shape::{Numbers, Shape, Sight};
 use crate::state::Belief;
@@ -61,7 +61,8 @@ impl Start {
     /// The likeliest under a response.
     #[must_use]
     pub fn find(shape: &Shape, numbers: &[f64], view: &View) -> Self {
-        let walk = Walk { shape, numbers, memory: Memory::default(), view, counted: UNCOUNTED };
+        let (memory, kalman) = (Memory::default(), Kalman::Extended);
+        let walk = Walk { shape, numbers, memory, view, counted: UNCOUNTED, kalman };
         let (tried, _) = tried(&walk, &[WIDE]);
         tried.into_iter().reduce(likelier).map_or_else(Self::anywhere, |it| it.start)
     }
@@ -70,7 +71,7 @@ impl Start {
     /// hangs together like this: also of starts closer to one another, and of the likeliest of all that which is so in the long run.
     #[must_use]
     pub fn closely(shape: &Shape, numbers: &[f64], memory: Memory, view: &View) -> Self {
-        let walk = Walk { shape, numbers, memory, view, counted: UNCOUNTED };
+        let walk = Walk { shape, numbers, memory, view, counted: UNCOUNTED, kalman: Kalman::Invariant };
         let (mut tried, steps) = tried(&walk, &[WIDE, CLOSE]);
         tried.sort_by(|a, b| b.likely.total_cmp(&a.likely));
         let last = (steps.start + LONG * steps.len()).min(view.steps.len());

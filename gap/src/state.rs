@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use asami_math::angle::wrap_rad;
+use asami_math::elementary::sin_cos;
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector3};
 
 use crate::memory::Sway;
@@ -23,6 +25,8 @@ pub(crate) struct State<const N: usize> {
     pub(crate) covariance: SMatrix<f64, N, N>,
 }
 
+/// A twist by less is along a line.
+const STRAIGHT_RAD: f64 = 1e-6;
 /// Where a state holds the sways of sizes and of bearings.
 pub(crate) const SWAYS: [usize; 2] = [3, 5];
 /// Where it holds landmarks' errors.
@@ -68,6 +72,26 @@ impl<const N: usize> State<N> {
             let [var, next] = sway.correlations::<2>();
             self.covariance.fixed_view_mut::<2, 2>(at, at).copy_from(&Matrix2::new(var, next, next, var));
         }
+    }
+
+    /// The mean farther by a step.
+    pub(crate) fn add(&mut self, step: &SVector<f64, N>) {
+        self.mean += step;
+        self.mean[2] = wrap_rad(self.mean[2]);
+    }
+
+    /// The same, where the step of the pose is a twist of the plane about where it is, and the covariance is one of twists: of such
+    /// about where it is then.
+    pub(crate) fn twist(&mut self, step: &SVector<f64, N>) {
+        let turned = step[2];
+        let (sin, cos) = sin_cos(turned);
+        let (along, across) =
+            if turned.abs() < STRAIGHT_RAD { (1.0, 0.5 * turned) } else { (sin / turned, (1.0 - cos) / turned) };
+        let [x, y] = [along * step[0] - across * step[1], across * step[0] + along * step[1]];
+        let mut farther = *step;
+        (farther[0], farther[1]) = (x, y);
+        self.add(&farther);
+        self.carry([-y, x]);
     }
 
     /// Carries the covariance on by a displacement whose derivatives with respect to the heading are these, of x and of y.
@@ -116,6 +140,8 @@ impl<const N: usize> State<N> {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     /// A state whose numbers all hang together.
@@ -143,6 +169,28 @@ mod tests {
             assert_eq!([after.mean[at], after.mean[at + 1]], [on[0] * now + on[1] * earlier, now]);
         }
         assert_carried(&before, &by, &after);
+    }
+
+    /// Half a turn along half a circle ends a diameter aside; what was unsure of the heading is then of the place as well.
+    #[test]
+    fn a_twist_goes_around() {
+        let before = some::<STEADY>();
+        let before = State { mean: SVector::from([1.0, 2.0, 0.5]), ..before };
+        let (mut after, mut by) = (before, SMatrix::<f64, STEADY, STEADY>::identity());
+        after.twist(&SVector::from([PI, 0.0, PI]));
+        (by[(0, 2)], by[(1, 2)]) = (-2.0, 0.0);
+        assert!((after.mean - SVector::from([1.0, 4.0, 0.5 - PI])).norm() < 1e-12, "{}", after.mean);
+        assert_carried(&before, &by, &after);
+        // Without a turn it is a step.
+        let step = SVector::from([0.3, -0.2, 0.0]);
+        let [mut twisted, mut added] = [before; 2];
+        twisted.twist(&step);
+        added.add(&step);
+        assert!((twisted.mean - added.mean).norm() < 1e-12);
+        // As it is with next to none.
+        let mut turned = before;
+        turned.twist(&SVector::from([0.3, -0.2, 2.0 * STRAIGHT_RAD]));
+        assert!((turned.mean - added.mean).norm() < 1e-5 && (turned.covariance - twisted.covariance).norm() < 1e-5);
     }
 
     #[test]

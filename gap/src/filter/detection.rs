@@ -3,10 +3,8 @@
 use asami_math::elementary::ln;
 use nalgebra::RowVector3;
 
-use super::{Ready, by_pose};
+use super::{Ready, Walk, by_pose};
 use crate::hears::Hears;
-use crate::memory::Memory;
-use crate::shape::Shape;
 use crate::state::{Belief, STEADY, State};
 use crate::view::View;
 
@@ -48,10 +46,11 @@ pub(super) struct Seeing {
 
 /// Which landmarks' being seen or missed says something: none while the nominal filter has lost the robot.
 #[must_use]
-pub fn counted(shape: &Shape, numbers: &[f64], view: &View, begin: usize, belief: &mut Belief) -> Counted {
+pub fn counted(walk: &Walk<'_>, begin: usize, belief: &mut Belief) -> Counted {
+    let view = walk.view;
     let landmarks = view.landmarks.len();
     let mut counted = vec![Counts::Not; view.steps.len() * landmarks];
-    let mut ready = Ready::new(shape, numbers, Memory::default());
+    let mut ready = Ready::new(walk);
     let mut state = State::<STEADY>::new(belief);
     let mut genuine = 1.0;
     for i in begin..view.steps.len() {

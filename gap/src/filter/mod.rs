@@ -2,10 +2,11 @@
 //!
 //! The motion of each frame interval comes from the response's columns, the size and the bearing of each
 //! landmark from its sensor's. What it gives for every frame is `log p(o_t | past)` (Stronger 2008,
-//! equations 4.13 and 4.14), and the standardised innovations.
+//! equations 4.13 and 4.14), and the standardised innovations. Of a real robot it is an iterated invariant one.
 
 mod detection;
 mod errors;
+mod sighting;
 mod told;
 
 use std::f64::consts::TAU;
@@ -13,34 +14,28 @@ use std::ops::Range;
 
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{exp, ln, logistic, sin_cos};
-use nalgebra::{Matrix2, Matrix3, RowVector3, SMatrix, SVector, Vector2, Vector3};
+use nalgebra::{Matrix3, RowVector3, SVector, Vector3};
 
 use crate::columns::Group;
 use crate::hears::{Filtered, Hears, Innovation};
 use crate::memory::{Memory, Sway, pace};
 use crate::shape::{CHANGING, Numbers, Shape, Sight, speed_class};
 use crate::state::{Belief, LASTING, STEADY, SWAYING, State};
-use crate::tails::Tails;
 use crate::view::{Seen, View};
 use detection::Seeing;
 pub use detection::{Counted, Counts, UNCOUNTED, counted};
 use errors::Held;
-use told::{Odd, Part, Told};
+use told::Part;
 
 /// Variances that a second adds where a robot goes astray: 0.3 m to the right and forwards, a radian.
 const ASTRAY: [f64; 3] = [0.1, 0.1, 1.0];
-/// How likely it is at a sighting that a robot that walks is not where its response has it, but somewhere near: variances of 1 m to
-/// each side, and of 1 rad. A filter that cannot jump loses for good what an effect sent elsewhere once, with thousands of nats that
-/// speak for whatever would have kept the robot there.
+/// How likely it is at a sighting that a robot that walks is not where its response has it, but somewhere near. A filter that
+/// cannot jump loses for good what an effect sent elsewhere once, with thousands of nats that speak for whatever would have kept the
+/// robot there.
 const JUMPS: f64 = 1e-5;
-const JUMPS_TO: [f64; 3] = [1.0; 3];
 /// How likely it is after a sighting that was of something else: a filter that asks for as much again at each of a row of them takes
 /// all for ones of something else.
 const AGAIN: f64 = 0.1;
-/// Sightings that are off by less, as a square in standard deviations, are likelier by hundreds of times without any.
-const RULED_OUT: f64 = 12.0;
-/// A bearing that was put in, and not measured, holds the robot on its rail so closely, and says nothing.
-const RAIL_RAD: f64 = 1e-3;
 /// A sway is not followed over a gap of so many frames.
 const GAP: f64 = 2.5;
 
@@ -64,6 +59,7 @@ struct Ready<'a> {
     size_columns: Vec<f64>,
     bearing_columns: Vec<f64>,
     memory: Memory,
+    kalman: Kalman,
     /// Whose errors are held.
     held: Held,
     /// Whether the robot may be anywhere near by now.
@@ -85,6 +81,19 @@ pub struct Walk<'a> {
     pub view: &'a View,
     /// What is missed counts where this says so.
     pub counted: &'a [Counts],
+    /// How the pose is unsure.
+    pub kalman: Kalman,
+}
+
+/// How a pose is unsure, and where what is seen is taken to be linear in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kalman {
+    /// By differences in x, y and heading, about where the robot was believed to be.
+    Extended,
+    /// By motions of the whole plane, in which it stays normally distributed where a robot goes on with a heading that it is unsure of
+    /// (Barrau and Bonnabel 2017, section V), and about where the robot is believed to be once it has seen that (Bourmaud et al.
+    /// 2016). A real robot scatters by so much between sightings that the other is lost for a while.
+    Invariant,
 }
 
 impl Walk<'_> {
@@ -98,7 +107,7 @@ impl Walk<'_> {
 
     /// The same, told to somebody. Gives how often each bin of detection was visited.
     pub fn tell(&self, who: &mut impl Hears, steps: Range<usize>, belief: &mut Belief) -> Vec<f64> {
-        let mut ready = Ready::new(self.shape, self.numbers, self.memory);
+        let mut ready = Ready::new(self);
         if self.memory.sways() {
             ready.walk::<SWAYING, _>(self, steps, belief, who);
         } else if self.memory.lasts() {
@@ -111,7 +120,7 @@ impl Walk<'_> {
 }
 
 impl<'a> Ready<'a> {
-    fn new(shape: &'a Shape, numbers: &'a [f64], memory: Memory) -> Self {
+    fn new(&Walk { shape, numbers, memory, kalman, .. }: &Walk<'a>) -> Self {
         let part = |group| &numbers[shape.range(group)];
         let squares = |group| part(group).iter().map(|it| exp(2.0 * it)).collect::<Vec<_>>();
         Self {
@@ -132,6 +141,7 @@ impl<'a> Ready<'a> {
             size_columns: vec![0.0; shape.width(Numbers::Size)],
             bearing_columns: vec![0.0; shape.width(Numbers::Bearing)],
             memory,
+            kalman,
             held: Held::default(),
             lost: false,
             doubted: 0.0,
@@ -255,29 +265,7 @@ impl<'a> Ready<'a> {
         state: &mut State<N>,
     ) -> (f64, Innovation) {
         let Seen { landmark, size, bearing_rad } = view.seen[seen];
-        let belief = state.belief();
-        let sight = self.sight(view, i, landmark, &belief);
-        let (expected, of_pose) = self.expected(view, &sight, &belief);
-        let band = self.shape.band(sight.distance_m);
-        let sways = self.sways(view, i);
-        let vars = [self.size_vars[band], if view.aims { self.bearing_vars[band] } else { RAIL_RAD * RAIL_RAD }];
-        let vars = [0, 1].map(|k| vars[k] * sways[k].scale * sways[k].scale);
-        let mut plain = Vector2::new(size - expected[0], wrap_rad(bearing_rad - expected[1]));
-        let mut h = SMatrix::<f64, 2, N>::zeros();
-        h.fixed_view_mut::<2, 3>(0, 0).copy_from(&of_pose);
-        let Memory { spread, tails, lasting, .. } = self.memory;
-        let swaying = State::<N>::sways().enumerate().map(|(k, at)| (k, at, sways[k].share));
-        let held = self.held.of(landmark, state).map(|at| (0, at, lasting.share));
-        let mut shared = [0.0; 2];
-        for (k, at, share) in swaying.chain(held) {
-            shared[k] = share;
-            h[(k, at)] = (share * vars[k]).sqrt();
-            plain[k] -= h[(k, at)] * state.mean[at];
-        }
-        let white_var = |k: usize| vars[k] * (1.0 - shared[k]);
-        let r = Matrix2::from_diagonal(&Vector2::new(white_var(0), white_var(1)));
-        let tails = if view.aims { tails } else { Tails::default() };
-        let odd = Odd { plain, h, r, spread, tails, aims: view.aims };
+        let odd = self.odd(view, i, seen, state);
         let Some(told) = odd.told(&state.covariance) else {
             let lost = [f64::NAN; 2];
             let innovation = Innovation { step: i, seen, plain: lost, white: lost, scale: [1.0; 2], genuine: 0.0 };
@@ -298,42 +286,12 @@ impl<'a> Ready<'a> {
         let as_it_was = Part { likely: mistaken * elsewhere, step: SVector::zeros(), covariance: state.covariance };
         let part = part.or(as_it_was);
         self.doubted = 1.0 - moved / part.likely;
-        state.mean += part.step;
-        state.mean[2] = wrap_rad(state.mean[2]);
         state.covariance = part.covariance;
+        self.step(state, &part.step);
         let (white, scale, genuine) = (told.white, told.scale, of_it / part.likely);
-        let innovation = Innovation { step: i, seen, plain: plain.into(), white, scale, genuine };
+        let innovation = Innovation { step: i, seen, plain: odd.plain.into(), white, scale, genuine };
         let innovation = if view.aims { innovation } else { innovation.of_size_alone() };
         (ln(part.likely), innovation)
-    }
-
-    /// What a sighting tells that a robot's belief rules out, had the robot jumped.
-    fn jumped<const N: usize>(&self, odd: &Odd<N>, told: &Told<N>, state: &State<N>) -> Option<Told<N>> {
-        if !self.memory.sways() || told.squares() < RULED_OUT {
-            return None;
-        }
-        let mut covariance = state.covariance;
-        JUMPS_TO.iter().enumerate().for_each(|(axis, var)| covariance[(axis, axis)] += var);
-        odd.told(&covariance)
-    }
-
-    /// Size and bearing to be expected, and their derivatives with respect to the pose.
-    fn expected(&mut self, view: &View, sight: &Sight, belief: &Belief) -> ([f64; 2], SMatrix<f64, 2, 3>) {
-        let mut slopes = [0.0; 4];
-        self.shape.size_columns(sight, &mut self.size_columns, &mut slopes);
-        self.shape.bearing_columns(sight, &mut self.bearing_columns);
-        let (for_size, for_bearing) = (&self.numbers[self.size.clone()], &self.numbers[self.bearing.clone()]);
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
-        let slope = dot(&slopes[..self.shape.curve_width()], for_size);
-        let [size_by_off, bearing_by_off] = self.shape.off_slopes(sight, for_size, for_bearing);
-        // No eye, however it is turned, read a bearing that was put in.
-        let (read, bearing_by_off) =
-            if view.aims { (dot(&self.bearing_columns, for_bearing), bearing_by_off) } else { (0.0, 0.0) };
-        let expected = [dot(&self.size_columns, for_size), sight.bearing_rad + read];
-        let d = sight.distance_m.max(0.05);
-        let [ux, uy] = self.towards(view, sight.landmark, belief).map(|it| it / d);
-        let [far, off] = by_pose([ux, uy], d, view.out(belief.mean.z).1);
-        (expected, SMatrix::from_rows(&[slope * far + size_by_off * off, (1.0 + bearing_by_off) * off]))
     }
 }
 
