@@ -74,7 +74,7 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
     }
     for record in &all {
         let said = record.diagnosis.as_ref().map_or_else(|| record.error.clone(), words::text);
-        report = report.section(Section::new(&record.name()).folded().text(said));
+        report = report.section(Section::new(&record.name()).folded().lines(said));
     }
     made_with(report, &manifest)
         .write(&out.join("report.html"))

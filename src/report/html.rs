@@ -66,6 +66,10 @@ fn block_into(block: &Block, plates: &mut usize, out: &mut String) {
         Block::Text(text) => {
             let _ = writeln!(out, "<p>{}</p>", inline(text));
         }
+        Block::Lines(printed) => {
+            // A browser drops the line's end that comes first: so it is not the text's.
+            let _ = writeln!(out, "<pre>\n{}</pre>", escape(printed));
+        }
         Block::Table(table) => table_into(table, out),
         Block::Plates(row) => {
             let _ = writeln!(out, "<div class=\"plates of{}\">", row.len().min(3));
@@ -173,6 +177,12 @@ mod tests {
     }
 
     #[test]
+    fn what_is_printed_keeps_its_lines() {
+        let page = Report::new("", "").section(Section::new("").lines("\na < `b`\n    c\n")).html();
+        assert!(page.contains("<pre>\n\na &lt; `b`\n    c\n</pre>"), "{page}");
+    }
+
+    #[test]
     fn the_bar_beside_the_answer_tells_whether_it_was_expected() {
         for (is_expected, class) in
             [(None, "answer"), (Some(true), "answer expected"), (Some(false), "answer unexpected")]
@@ -196,7 +206,7 @@ mod tests {
             crate::draw::Mark::Dot,
             [[0.0, 1.0]],
         );
-        let section = Section::new(evil).text(evil).table(table).figure(&figure);
+        let section = Section::new(evil).text(evil).lines(evil).table(table).figure(&figure);
         let page = Report::new(evil, evil).answer(evil).section(section).footnote(evil).made_with(evil, evil).html();
         // One script of the page's own and one of data: nothing of what was put in.
         assert_eq!(page.matches("<script").count(), 2);

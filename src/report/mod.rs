@@ -90,6 +90,7 @@ impl From<&Map> for Plate {
 #[derive(Clone, Debug)]
 enum Block {
     Text(String),
+    Lines(String),
     Table(Table),
     Plates(Vec<Plate>),
 }
@@ -120,6 +121,13 @@ impl Section {
     #[must_use]
     pub fn text(mut self, text: impl Into<String>) -> Self {
         self.blocks.push(Block::Text(text.into()));
+        self
+    }
+
+    /// Adds what a program prints, line by line as it prints it.
+    #[must_use]
+    pub fn lines(mut self, printed: impl Into<String>) -> Self {
+        self.blocks.push(Block::Lines(printed.into()));
         self
     }
 
