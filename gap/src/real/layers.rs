@@ -76,7 +76,7 @@ pub struct Least {
 
 impl Least {
     /// The kinds that may be named beside these.
-    fn beside(&self, variants: &[Variant], with: &[Planted]) -> Vec<Variant> {
+    pub(super) fn beside(&self, variants: &[Variant], with: &[Planted]) -> Vec<Variant> {
         variants.iter().filter(|variant| !self.rules_out(variant, with)).cloned().collect()
     }
 
@@ -129,14 +129,16 @@ pub fn layers(judge: &dyn Judge, variants: &[Variant], least: &Least) -> Vec<Lay
 /// The same of effects that were found together: what each is worth beside all others.
 #[must_use]
 pub fn beside_one_another(judge: &dyn Judge, found: &[Planted]) -> Vec<Layer> {
-    let layer = |i: usize| {
-        let mut others = found.to_vec();
-        let best = others.remove(i);
-        let weighed = weigh(judge, std::slice::from_ref(&best.variant), &others, CLOSE).pop()?;
-        let pays_nats = weighed.gain_nats - weighed.evidence_nats;
-        Some(Layer { weighed: Weighed { best, ..weighed }, pays_nats, rivals: Vec::new() })
-    };
-    (0..found.len()).filter_map(layer).collect()
+    (0..found.len()).filter_map(|i| beside_others(judge, found, i)).collect()
+}
+
+/// What one of them is worth beside all others.
+pub(super) fn beside_others(judge: &dyn Judge, found: &[Planted], i: usize) -> Option<Layer> {
+    let mut others = found.to_vec();
+    let best = others.remove(i);
+    let weighed = weigh(judge, std::slice::from_ref(&best.variant), &others, CLOSE).pop()?;
+    let pays_nats = weighed.gain_nats - weighed.evidence_nats;
+    Some(Layer { weighed: Weighed { best, ..weighed }, pays_nats, rivals: Vec::new() })
 }
 
 /// Thinks again of each of the effects ([`thought_again`]), and says how large each is whatever else there may be.

@@ -14,6 +14,7 @@ mod starts;
 mod unsettled;
 mod unsure;
 mod whole;
+mod worlds;
 
 use std::collections::BTreeMap;
 
@@ -28,7 +29,7 @@ use crate::answer::place::places;
 use crate::blocks::{self, Fitted};
 use crate::judge::Judge;
 use crate::library::Library;
-use crate::plant::Variant;
+use crate::plant::{Planted, Variant};
 use crate::view::CannotSee;
 use crate::weigh::causes::{NONE, UNKNOWN};
 use crate::weigh::groups::{SPLIT_NATS, smallest_visible};
@@ -154,26 +155,29 @@ pub fn diagnose_among(
     let judge = Crossed::new(log, &noisy, folds, &planted(&found))?;
     let found = search.again(&judge, &variants, found, &least);
     let (found, unsettled) = settled(&judge, found);
+    // What is left open is not there to make up for anything: the others alone explain as much as they do where they are likeliest.
+    let alone = (!unsettled.is_empty()).then(|| planted(&found));
     let found = sized(&judge, &variants, found, &least);
+    let with = alone.unwrap_or_else(|| planted(&found));
     let astray_s = library.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
     let noise = noise::compared(nominal, &noisy);
-    Ok(Diagnosis { astray_s: Some(astray_s), noise, unsettled, ..assembled(&judge, &variants, &found) })
+    Ok(Diagnosis { astray_s: Some(astray_s), noise, unsettled, ..assembled(&judge, &variants, &found, &with) })
 }
 
-fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer]) -> Diagnosis {
-    let all = planted(found);
-    let (base, with) = (judge.numbers(&[]), judge.numbers(&all));
+/// What was found, and what that explains, `all` of which is in the world then.
+fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer], all: &[Planted]) -> Diagnosis {
+    let (base, with) = (judge.numbers(&[]), judge.numbers(all));
     let blocks = blocks::fit(judge, &with, &|_| true);
     let block = blocks.into_iter().reduce(|a, b| if b.evidence_nats > a.evidence_nats { b } else { a });
     let evident = block.as_ref().is_some_and(|block| block.evidence_nats >= UNEXPLAINED_NATS);
-    let far = if found.is_empty() { HowFar::default() } else { how_far(judge, &all) };
+    let far = if found.is_empty() { HowFar::default() } else { how_far(judge, all) };
     let remains = match found {
         // All of it, where there is a gap at all.
         [] if evident => 1.0,
         [_, ..] if far.excess_before > 0.0 => (far.excess_after / far.excess_before).clamp(0.0, 1.0),
         _ => 0.0,
     };
-    let which = which(judge, found, remains, block.as_ref());
+    let which = which(judge, found, all, remains, block.as_ref());
     let named = |cause: &&Cause| cause.effects[0] != UNKNOWN && cause.effects[0] != NONE;
     let set90 = set90(which.iter().filter(named));
     let (cannot_tell_apart, all_alike) = groups(found, &set90);
@@ -239,8 +243,8 @@ fn odds(less_nats: f64) -> f64 {
 }
 
 /// The layers together; each with a rival in the place of the layer that it rivals; *unknown* and *none*.
-fn which(judge: &dyn Judge, found: &[Layer], remains: f64, block: Option<&Fitted>) -> Vec<Cause> {
-    let total = judge.log_likelihood(&planted(found)) - judge.log_likelihood(&[]);
+fn which(judge: &dyn Judge, found: &[Layer], all: &[Planted], remains: f64, block: Option<&Fitted>) -> Vec<Cause> {
+    let total = judge.log_likelihood(all) - judge.log_likelihood(&[]);
     let names: Vec<&str> = found.iter().map(|layer| layer.weighed.effect).collect();
     let rivals: Vec<Vec<(&str, f64)>> =
         found.iter().map(|layer| rivals(found, layer).map(|it| (it.effect, less(layer, it))).collect()).collect();
@@ -299,7 +303,6 @@ fn likeliest<T>(ranked: Vec<T>, probability: impl Fn(&T) -> f64) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plant::Planted;
     use crate::straight::Straight;
     use crate::weigh::evidence::Weighed;
 

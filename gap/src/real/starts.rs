@@ -14,7 +14,7 @@ const LITTLE: f64 = 0.1;
 /// No size changes by more at once, by its logarithm.
 const LONGEST: f64 = 1.0;
 
-/// A start: what is in the world, and one more effect, the last.
+/// A start: what is in the world, and one more effect, or two, the last.
 pub struct Start {
     /// With their sizes.
     pub effects: Vec<Planted>,
@@ -31,38 +31,9 @@ impl Start {
 /// For each effect of `others` that the slope calls for the likeliest kind's start beside `with`.
 #[must_use]
 pub fn starts(judge: &dyn Judge, others: &[Variant], with: &[Planted]) -> Vec<Start> {
-    let terms = |all: &[Planted]| judge.terms(&judge.numbers(all));
-    let here = terms(with);
-    let per = |there: Vec<f64>, by: f64| -> Vec<f64> {
-        there.iter().zip(&here).map(|(there, here)| (there - here) / by).collect()
-    };
-    let of_with: Vec<Vec<f64>> = (0..with.len())
-        .map(|i| {
-            let mut larger = with.to_vec();
-            larger[i].size *= exp(DIFFERENCE);
-            per(terms(&larger), DIFFERENCE)
-        })
-        .collect();
-    let start = |variant: &Variant| {
-        let (least, greatest) = variant.sizes();
-        let planted = |size: f64| Planted { variant: variant.clone(), size };
-        let more = per(terms(&[with, &[planted(LITTLE * least)]].concat()), LITTLE * least);
-        let scores: Vec<&[f64]> = of_with.iter().chain([&more]).map(Vec::as_slice).collect();
-        let slope: Vec<f64> = scores.iter().map(|score| score.iter().fold(0.0, |sum, it| sum + it)).collect();
-        let (found, moves) = Curvature::new(&scores, 0.0)?.step(&slope).split_last().map(|(a, b)| (*a, b.to_vec()))?;
-        let size = (found > 0.0).then(|| found.clamp(least, greatest))?;
-        // What is held at an end of its law takes so much less from the others.
-        let share = size / found;
-        let moved = with.iter().zip(moves).map(|(it, by)| {
-            let (low, high) = it.variant.sizes();
-            Planted { size: (it.size * exp((share * by).clamp(-LONGEST, LONGEST))).clamp(low, high), ..it.clone() }
-        });
-        let effects: Vec<Planted> = moved.chain([planted(size)]).collect();
-        let likely = judge.log_likelihood(&effects);
-        likely.is_finite().then_some(Start { effects, likely })
-    };
+    let about = About::new(judge, others, with);
     let mut found: Vec<Start> = Vec::new();
-    for new in others.iter().filter(|variant| judge.knows(variant)).filter_map(start) {
+    for new in (0..about.others.len()).filter_map(|i| about.start(judge, &about.top(&[i])?)) {
         match found.iter_mut().find(|it| it.name() == new.name()) {
             Some(known) if known.likely >= new.likely => {}
             Some(known) => *known = new,
@@ -70,6 +41,101 @@ pub fn starts(judge: &dyn Judge, others: &[Variant], with: &[Planted]) -> Vec<St
         }
     }
     found
+}
+
+/// Starts beside `with`: so many of one more effect of `others`, and so many of two that may be there together. Those that promise most,
+/// whatever they are worth before all sizes are found together.
+#[must_use]
+pub fn promising(
+    judge: &dyn Judge,
+    others: &[Variant],
+    with: &[Planted],
+    may: impl Fn(&Variant, &Variant) -> bool,
+    [alone, of_two]: [usize; 2],
+) -> Vec<Start> {
+    let about = About::new(judge, others, with);
+    let singles = (0..about.others.len()).filter_map(|i| about.top(&[i]));
+    let pairs = (0..about.others.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
+    let pairs = pairs.filter(|[i, j]| may(about.others[*i].0, about.others[*j].0));
+    let tops = most(singles, alone).chain(most(pairs.filter_map(|pair| about.top(&pair)), of_two));
+    tops.filter_map(|top| about.start(judge, &top)).collect()
+}
+
+/// So many that promise most.
+fn most(tops: impl Iterator<Item = Top>, most: usize) -> impl Iterator<Item = Top> {
+    let mut tops: Vec<Top> = tops.collect();
+    tops.sort_by(|a, b| b.promised.total_cmp(&a.promised));
+    tops.into_iter().take(most)
+}
+
+/// The log-likelihood about some sizes, as if it were quadratic in them and in those of others, of which there is nothing yet.
+struct About<'a> {
+    with: &'a [Planted],
+    /// By how much likelier each step is for a change of the logarithm of each size.
+    of_with: Vec<Vec<f64>>,
+    /// Other kinds, and by how much likelier for each unit of size.
+    others: Vec<(&'a Variant, Vec<f64>)>,
+}
+
+/// Where that is greatest.
+struct Top {
+    /// Steps of the sizes of what is there, by their logarithms.
+    moves: Vec<f64>,
+    /// Further effects, by their place, and their sizes.
+    more: Vec<(usize, f64)>,
+    /// By so much likelier, in nats.
+    promised: f64,
+}
+
+impl<'a> About<'a> {
+    fn new(judge: &dyn Judge, others: &'a [Variant], with: &'a [Planted]) -> Self {
+        let terms = |all: &[Planted]| judge.terms(&judge.numbers(all));
+        let here = terms(with);
+        let per = |there: Vec<f64>, by: f64| -> Vec<f64> {
+            there.iter().zip(&here).map(|(there, here)| (there - here) / by).collect()
+        };
+        let of_with = (0..with.len()).map(|i| {
+            let mut larger = with.to_vec();
+            larger[i].size *= exp(DIFFERENCE);
+            per(terms(&larger), DIFFERENCE)
+        });
+        let others = others.iter().filter(|variant| judge.knows(variant)).map(|variant| {
+            let size = LITTLE * variant.sizes().0;
+            let little = Planted { variant: variant.clone(), size };
+            (variant, per(terms(&[with, &[little]].concat()), size))
+        });
+        Self { with, of_with: of_with.collect(), others: others.collect() }
+    }
+
+    /// Where these others are there too; `None` where one of them is called for by nothing.
+    fn top(&self, more: &[usize]) -> Option<Top> {
+        let of_more = more.iter().map(|i| &self.others[*i].1);
+        let scores: Vec<&[f64]> = self.of_with.iter().chain(of_more).map(Vec::as_slice).collect();
+        let slope: Vec<f64> = scores.iter().map(|score| score.iter().fold(0.0, |sum, it| sum + it)).collect();
+        let step = Curvature::new(&scores, 0.0)?.step(&slope);
+        let promised = 0.5 * slope.iter().zip(&step).fold(0.0, |sum, (slope, step)| sum + slope * step);
+        let (moves, sizes) = step.split_at(self.with.len());
+        let more: Vec<(usize, f64)> = more.iter().copied().zip(sizes.iter().copied()).collect();
+        more.iter().all(|it| it.1 > 0.0).then(|| Top { moves: moves.to_vec(), more, promised })
+    }
+
+    fn start(&self, judge: &dyn Judge, top: &Top) -> Option<Start> {
+        let within = |it: &(usize, f64)| {
+            let (least, greatest) = self.others[it.0].0.sizes();
+            it.1.clamp(least, greatest)
+        };
+        // What is held at an end of its law takes so much less from the others.
+        let share = top.more.iter().map(|it| within(it) / it.1);
+        let share = share.fold(1.0, |far: f64, it| if (it - 1.0).abs() > (far - 1.0).abs() { it } else { far });
+        let moved = self.with.iter().zip(&top.moves).map(|(it, by)| {
+            let (low, high) = it.variant.sizes();
+            Planted { size: (it.size * exp((share * by).clamp(-LONGEST, LONGEST))).clamp(low, high), ..it.clone() }
+        });
+        let more = top.more.iter().map(|it| Planted { variant: self.others[it.0].0.clone(), size: within(it) });
+        let effects: Vec<Planted> = moved.chain(more).collect();
+        let likely = judge.log_likelihood(&effects);
+        likely.is_finite().then_some(Start { effects, likely })
+    }
 }
 
 #[cfg(test)]
@@ -106,5 +172,28 @@ mod tests {
         }
         let unknown = [Straight::kind("slope")];
         assert!(starts(&world, &unknown, &with).is_empty(), "what the judge does not know is not tried");
+    }
+
+    /// Two effects that nearly undo each other: either promises little by itself, and both together what they are worth.
+    #[test]
+    fn what_shows_only_beside_another_is_promised_with_it() {
+        let kinds = NAMES.map(Straight::kind);
+        let of = |k: usize, share: f64| Planted { variant: kinds[k].clone(), size: share * kinds[k].sizes().1 };
+        let (a, b) = (|t: usize| (0.37 * t as f64).sin(), |t: usize| (0.91 * t as f64).sin());
+        let waves: [&dyn Fn(usize) -> f64; 3] =
+            [&|t| 4.0 * a(t) + 0.6 * b(t), &|t| 0.6 * b(t) - 4.0 * a(t), &|t| (1.53 * t as f64).sin()];
+        let truth = [of(0, 0.5), of(1, 0.5)];
+        let log = Straight::new(&[&truth[..], &[of(2, 1e-6)]].concat(), &waves, Seed(4));
+        let of_two = |may: fn(&Variant, &Variant) -> bool| promising(&log, &kinds, &[], may, [0, 1]);
+        let [found] = &of_two(|_, _| true)[..] else { panic!("one pair") };
+        let likely = log.log_likelihood(&[]);
+        let alone = kinds.iter().flat_map(|kind| starts(&log, std::slice::from_ref(kind), &[]));
+        let alone = alone.map(|it| it.likely - likely).fold(0.0, f64::max);
+        assert!(alone < 10.0 && found.likely - likely > 30.0, "{alone} {}", found.likely - likely);
+        for (found, truth) in found.effects.iter().zip(&truth) {
+            assert!(found.variant == truth.variant && (found.size / truth.size - 1.0).abs() < 0.5, "{found:?}");
+        }
+        assert!(of_two(|_, _| false).is_empty(), "of which only one may be there");
+        assert!(promising(&log, &kinds, &truth, |_, _| true, [2, 0]).iter().all(|it| it.effects.len() == 3));
     }
 }

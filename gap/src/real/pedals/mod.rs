@@ -77,7 +77,7 @@ pub fn diagnose(car: &CarConfig, effects: &Effects, variants: &[Variant], log: &
     }
     let judge = Driven::scoring(&drives, now, scores);
     let found = reconsidered(&judge, &variants, found, &LEAST);
-    Ok(assembled(&judge, &variants, &found))
+    Ok(assembled(&judge, &variants, &found, &planted(&found)))
 }
 
 /// Numbers of the steps under way that are set aside, and of those that are scored.

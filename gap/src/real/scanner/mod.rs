@@ -62,7 +62,7 @@ pub fn diagnose(variants: &[Variant], log: &Log) -> Result<Found, CannotSee> {
     // Banks that stand apart show whatever else does: of what comes in sizes the least is asked for.
     let sized: Vec<Variant> =
         variants.into_iter().filter(|it| it.choices.iter().all(|(_, value)| *value == 0.0)).collect();
-    Ok(Found { diagnosis: shown(assembled(&table, &sized, &found), &sized), lasers })
+    Ok(Found { diagnosis: shown(assembled(&table, &sized, &found, &planted(&found)), &sized), lasers })
 }
 
 /// The diagnosis without parameters that do not show: what all lasers are off by alike is the street's shape as well.
