@@ -8,7 +8,7 @@ use asami_math::elementary::{exp, ln};
 use asami_sim::effect::{Block, Place};
 
 use super::kin::Kin;
-use super::starts::starts;
+use super::starts::About;
 use super::unsure::{blocks, sized};
 use crate::judge::Judge;
 use crate::newton::{Curvature, climb};
@@ -99,10 +99,14 @@ impl Least {
 
     /// What the last of these effects must gain, all of which together are so likely.
     pub(super) fn gain(&self, judge: &dyn Judge, all: &[Planted], likely: f64) -> f64 {
+        all.last().map_or(self.nats, |last| self.gain_of(judge, all, last, likely))
+    }
+
+    /// What one of them must gain.
+    pub(super) fn gain_of(&self, judge: &dyn Judge, all: &[Planted], one: &Planted, likely: f64) -> f64 {
         let moves = |it: &Planted| matches!(it.variant.place(), Place::Actuation | Place::Dynamics);
-        let Some(last) = all.last() else { return self.nats };
-        let others: Vec<Planted> = all.iter().filter(|it| moves(it) != moves(last)).cloned().collect();
-        let share = if judge.knows_together(moves(last)) { self.share_together } else { self.share };
+        let others: Vec<Planted> = all.iter().filter(|it| moves(it) != moves(one)).cloned().collect();
+        let share = if judge.knows_together(moves(one)) { self.share_together } else { self.share };
         self.nats.max(share * (likely - judge.log_likelihood(&others)))
     }
 }
@@ -194,13 +198,13 @@ fn in_its_place(
     let layer = found.map(|(best, settled)| {
         let (evidence_nats, pays_nats) = (by_blocks(&best, &settled), best.gain_nats - best.evidence_nats);
         // What parts two of them counts as little as what parts the better one from none.
-        let less = |rival: &Weighed| settled.counts * (best.evidence_nats - rival.evidence_nats);
+        let less = |rival: &Weighed| settled.last_counts() * (best.evidence_nats - rival.evidence_nats);
         let reading = |settled: &Settled| judge.read(&judge.numbers(&settled.effects));
         let leads = reading(&settled);
         let rivals = tried.map(|(rival, other)| Rival {
             effect: rival.effect,
             evidence_nats: evidence_nats - less(&rival),
-            apart_nats: settled.counts * Signature::new(&leads, &reading(&other)).nats(),
+            apart_nats: settled.last_counts() * Signature::new(&leads, &reading(&other)).nats(),
         });
         let rivals = rivals.collect();
         (Layer { weighed: Weighed { evidence_nats, ..best }, pays_nats, rivals }, settled.effects)
@@ -223,7 +227,7 @@ fn stays(tried: &mut Vec<(Weighed, Settled)>, before: &Layer, settled: Settled, 
 
 /// The evidence of an effect, where of what it gains so much counts as blocks leave it.
 fn by_blocks(it: &Weighed, settled: &Settled) -> f64 {
-    of_what_counts(it, settled.counts)
+    of_what_counts(it, settled.last_counts())
 }
 
 /// The evidence of an effect, where of a nat that it gains so much counts; what it pays for its size it pays all the same.
@@ -248,9 +252,15 @@ pub(super) struct Settled {
     pub effects: Vec<Planted>,
     /// The log-likelihood there.
     pub likely: f64,
-    /// What counts of a nat that the last of them gains: its variance as steps have it over that as blocks do (Pauli, Racugno
-    /// and Ventura 2011).
-    pub counts: f64,
+    /// What counts of a nat that each of them gains: its variance as steps have it over that as blocks do (Pauli, Racugno and
+    /// Ventura 2011).
+    pub counts: Vec<f64>,
+}
+
+impl Settled {
+    fn last_counts(&self) -> f64 {
+        self.counts.last().copied().unwrap_or(1.0)
+    }
 }
 
 /// What may be put beside what is in the world, the most evident first, each with the sizes of all found together.
@@ -262,14 +272,20 @@ pub(super) fn next(
     likely: f64,
 ) -> Vec<(Weighed, Settled)> {
     let others = least.beside(variants, with);
-    let alone = weigh(judge, &others, with, CLOSE).into_iter().map(|it| {
+    further(judge, least, &About::new(judge, &others, with), likely)
+}
+
+/// The same of kinds whose slope is known.
+pub(super) fn further(judge: &dyn Judge, least: &Least, about: &About, likely: f64) -> Vec<(Weighed, Settled)> {
+    let with = about.with;
+    let alone = weigh(judge, about.kinds, with, CLOSE).into_iter().map(|it| {
         let start = [with, std::slice::from_ref(&it.best)].concat();
         let evidence_nats = it.evidence_nats - least.kin.more_against_nats(it.effect);
         (Weighed { evidence_nats, ..it }, start)
     });
     let mut worth: Vec<(Weighed, Vec<Planted>)> = alone.collect();
     // Better, perhaps, than beside the others as they are.
-    for start in if with.is_empty() { Vec::new() } else { starts(judge, &others, with) } {
+    for start in if with.is_empty() { Vec::new() } else { about.starts(judge) } {
         let Some(best) = start.effects.last() else { continue };
         let same = worth.iter_mut().find(|(it, _)| it.effect == best.variant.about.name);
         let gain_nats = start.likely - likely;
@@ -300,7 +316,7 @@ pub(super) fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
     let terms = |all: &[Planted]| judge.terms(&judge.numbers(all));
     let total = |terms: &[f64]| terms.iter().fold(0.0, |sum, it| sum + it);
     let mut here = terms(&all);
-    let mut counts = 1.0;
+    let mut counts = vec![1.0; all.len()];
     for _ in 0..STEPS {
         let scores: Vec<Vec<f64>> = (0..all.len())
             .map(|i| {
@@ -314,9 +330,10 @@ pub(super) fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
             .collect();
         let Some(curvature) = Curvature::new(&scores, NEXT_TO_NOTHING) else { break };
         let step = curvature.step(&scores.iter().map(|score| total(score)).collect::<Vec<f64>>());
-        let last = curvature.variances_by_block(&scores, &block).pop().zip(curvature.variances().pop());
+        let by_block = curvature.variances_by_block(&scores, &block).into_iter();
         // Blocks are few: that errors in one made up for one another is not believed.
-        counts = last.map_or(1.0, |(by_block, by_step)| by_step / by_block.max(by_step));
+        counts =
+            by_block.zip(curvature.variances()).map(|(by_block, by_step)| by_step / by_block.max(by_step)).collect();
         let before = total(&here);
         let better = climb(before, &[2.0], |share| {
             let mut there = all.clone();

@@ -28,39 +28,6 @@ impl Start {
     }
 }
 
-/// For each effect of `others` that the slope calls for the likeliest kind's start beside `with`.
-#[must_use]
-pub fn starts(judge: &dyn Judge, others: &[Variant], with: &[Planted]) -> Vec<Start> {
-    let about = About::new(judge, others, with);
-    let mut found: Vec<Start> = Vec::new();
-    for new in (0..about.others.len()).filter_map(|i| about.start(judge, &about.top(&[i])?)) {
-        match found.iter_mut().find(|it| it.name() == new.name()) {
-            Some(known) if known.likely >= new.likely => {}
-            Some(known) => *known = new,
-            None => found.push(new),
-        }
-    }
-    found
-}
-
-/// Starts beside `with`: so many of one more effect of `others`, and so many of two that may be there together. Those that promise most,
-/// whatever they are worth before all sizes are found together.
-#[must_use]
-pub fn promising(
-    judge: &dyn Judge,
-    others: &[Variant],
-    with: &[Planted],
-    may: impl Fn(&Variant, &Variant) -> bool,
-    [alone, of_two]: [usize; 2],
-) -> Vec<Start> {
-    let about = About::new(judge, others, with);
-    let singles = (0..about.others.len()).filter_map(|i| about.top(&[i]));
-    let pairs = (0..about.others.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
-    let pairs = pairs.filter(|[i, j]| may(about.others[*i].0, about.others[*j].0));
-    let tops = most(singles, alone).chain(most(pairs.filter_map(|pair| about.top(&pair)), of_two));
-    tops.filter_map(|top| about.start(judge, &top)).collect()
-}
-
 /// So many that promise most.
 fn most(tops: impl Iterator<Item = Top>, most: usize) -> impl Iterator<Item = Top> {
     let mut tops: Vec<Top> = tops.collect();
@@ -69,11 +36,14 @@ fn most(tops: impl Iterator<Item = Top>, most: usize) -> impl Iterator<Item = To
 }
 
 /// The log-likelihood about some sizes, as if it were quadratic in them and in those of others, of which there is nothing yet.
-struct About<'a> {
-    with: &'a [Planted],
+pub struct About<'a> {
+    /// What is there, at these sizes.
+    pub with: &'a [Planted],
+    /// What may be put beside it.
+    pub kinds: &'a [Variant],
     /// By how much likelier each step is for a change of the logarithm of each size.
     of_with: Vec<Vec<f64>>,
-    /// Other kinds, and by how much likelier for each unit of size.
+    /// Those of the kinds that the judge knows, and by how much likelier for each unit of size.
     others: Vec<(&'a Variant, Vec<f64>)>,
 }
 
@@ -88,7 +58,9 @@ struct Top {
 }
 
 impl<'a> About<'a> {
-    fn new(judge: &dyn Judge, others: &'a [Variant], with: &'a [Planted]) -> Self {
+    /// About `with`.
+    #[must_use]
+    pub fn new(judge: &dyn Judge, kinds: &'a [Variant], with: &'a [Planted]) -> Self {
         let terms = |all: &[Planted]| judge.terms(&judge.numbers(all));
         let here = terms(with);
         let per = |there: Vec<f64>, by: f64| -> Vec<f64> {
@@ -99,12 +71,42 @@ impl<'a> About<'a> {
             larger[i].size *= exp(DIFFERENCE);
             per(terms(&larger), DIFFERENCE)
         });
-        let others = others.iter().filter(|variant| judge.knows(variant)).map(|variant| {
+        let others = kinds.iter().filter(|variant| judge.knows(variant)).map(|variant| {
             let size = LITTLE * variant.sizes().0;
             let little = Planted { variant: variant.clone(), size };
             (variant, per(terms(&[with, &[little]].concat()), size))
         });
-        Self { with, of_with: of_with.collect(), others: others.collect() }
+        Self { with, kinds, of_with: of_with.collect(), others: others.collect() }
+    }
+
+    /// For each effect that the slope calls for the likeliest kind's start.
+    #[must_use]
+    pub fn starts(&self, judge: &dyn Judge) -> Vec<Start> {
+        let mut found: Vec<Start> = Vec::new();
+        for new in (0..self.others.len()).filter_map(|i| self.start(judge, &self.top(&[i])?)) {
+            match found.iter_mut().find(|it| it.name() == new.name()) {
+                Some(known) if known.likely >= new.likely => {}
+                Some(known) => *known = new,
+                None => found.push(new),
+            }
+        }
+        found
+    }
+
+    /// Starts with so many single effects more, and with so many pairs that may be there together: those that promise most, whatever
+    /// they are worth before all sizes are found together.
+    #[must_use]
+    pub fn promising(
+        &self,
+        judge: &dyn Judge,
+        may: impl Fn(&Variant, &Variant) -> bool,
+        [alone, of_two]: [usize; 2],
+    ) -> Vec<Start> {
+        let singles = (0..self.others.len()).filter_map(|i| self.top(&[i]));
+        let pairs = (0..self.others.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
+        let pairs = pairs.filter(|[i, j]| may(self.others[*i].0, self.others[*j].0));
+        let tops = most(singles, alone).chain(most(pairs.filter_map(|pair| self.top(&pair)), of_two));
+        tops.filter_map(|top| self.start(judge, &top)).collect()
     }
 
     /// Where these others are there too; `None` where one of them is called for by nothing.
@@ -162,7 +164,7 @@ mod tests {
         let likely = world.log_likelihood(&with);
         let as_they_are = world.log_likelihood(&[&with[..], &truth[2..]].concat());
         assert!(as_they_are < likely - 100.0, "{as_they_are} {likely}");
-        let found = starts(&world, &kinds[2..], &with);
+        let found = About::new(&world, &kinds[2..], &with).starts(&world);
         assert_eq!(found.len(), 1);
         assert!(found[0].likely > likely + 30.0 && found[0].effects.len() == 3, "{} {likely}", found[0].likely);
         for (found, truth) in found[0].effects.iter().zip(&truth) {
@@ -171,7 +173,10 @@ mod tests {
             assert!((0.6..1.5).contains(&off), "{}: {off}", truth.variant.about.name);
         }
         let unknown = [Straight::kind("slope")];
-        assert!(starts(&world, &unknown, &with).is_empty(), "what the judge does not know is not tried");
+        assert!(
+            About::new(&world, &unknown, &with).starts(&world).is_empty(),
+            "what the judge does not know is not tried"
+        );
     }
 
     /// Two effects that nearly undo each other: either promises little by itself, and both together what they are worth.
@@ -184,16 +189,21 @@ mod tests {
             [&|t| 4.0 * a(t) + 0.6 * b(t), &|t| 0.6 * b(t) - 4.0 * a(t), &|t| (1.53 * t as f64).sin()];
         let truth = [of(0, 0.5), of(1, 0.5)];
         let log = Straight::new(&[&truth[..], &[of(2, 1e-6)]].concat(), &waves, Seed(4));
-        let of_two = |may: fn(&Variant, &Variant) -> bool| promising(&log, &kinds, &[], may, [0, 1]);
+        let of_two = |may: fn(&Variant, &Variant) -> bool| About::new(&log, &kinds, &[]).promising(&log, may, [0, 1]);
         let [found] = &of_two(|_, _| true)[..] else { panic!("one pair") };
         let likely = log.log_likelihood(&[]);
-        let alone = kinds.iter().flat_map(|kind| starts(&log, std::slice::from_ref(kind), &[]));
+        let alone = kinds.iter().flat_map(|kind| About::new(&log, std::slice::from_ref(kind), &[]).starts(&log));
         let alone = alone.map(|it| it.likely - likely).fold(0.0, f64::max);
         assert!(alone < 10.0 && found.likely - likely > 30.0, "{alone} {}", found.likely - likely);
         for (found, truth) in found.effects.iter().zip(&truth) {
             assert!(found.variant == truth.variant && (found.size / truth.size - 1.0).abs() < 0.5, "{found:?}");
         }
         assert!(of_two(|_, _| false).is_empty(), "of which only one may be there");
-        assert!(promising(&log, &kinds, &truth, |_, _| true, [2, 0]).iter().all(|it| it.effects.len() == 3));
+        assert!(
+            About::new(&log, &kinds, &truth)
+                .promising(&log, |_, _| true, [2, 0])
+                .iter()
+                .all(|it| it.effects.len() == 3)
+        );
     }
 }

@@ -2,8 +2,8 @@
 
 use asami_math::elementary::exp;
 
-use super::layers::{Least, beside_others, next, of_what_counts, settle};
-use super::starts::promising;
+use super::layers::{Least, Settled, beside_others, further, of_what_counts, settle};
+use super::starts::About;
 use crate::judge::Judge;
 use crate::plant::{Planted, Variant};
 
@@ -54,26 +54,34 @@ pub fn worlds(judge: &dyn Judge, variants: &[Variant], named: &[Planted], least:
 fn beside(judge: &dyn Judge, variants: &[Variant], base: &Odds, least: &Least) -> Vec<Odds> {
     let (with, odds) = (&base.0, base.1);
     let likely = judge.log_likelihood(with);
-    // Where more is asked for because the library may be off by as much, a nat counts so much less.
-    let counts = |all: &[Planted], likely: f64| least.nats / least.gain(judge, all, likely);
-    let shows = next(judge, variants, least, with, likely).into_iter().map(|(it, settled)| {
-        let counts = settled.counts * counts(&settled.effects, settled.likely);
+    let others = least.beside(variants, with);
+    let about = About::new(judge, &others, with);
+    let shows = further(judge, least, &about, likely).into_iter().map(|(it, settled)| {
+        let counts = counts(judge, least, &settled, with.len());
         (settled.effects, odds + of_what_counts(&it, counts))
     });
     let may = |a: &Variant, b: &Variant| !least.rules_out(b, &[Planted { variant: a.clone(), size: b.sizes().0 }]);
-    let others = least.beside(variants, with);
-    let promised = promising(judge, &others, with, may, PROMISING).into_iter().filter_map(|start| {
+    let promised = about.promising(judge, may, PROMISING).into_iter().filter_map(|start| {
         let settled = settle(judge, start.effects);
-        let more = with.len()..settled.effects.len();
         let pays = |i: usize| {
             let it = beside_others(judge, &settled.effects, i)?;
             Some(it.pays_nats + least.kin.more_against_nats(it.weighed.effect))
         };
-        let pays: f64 = more.map(pays).sum::<Option<f64>>()?;
-        let counts = settled.counts * counts(&settled.effects, settled.likely);
-        Some((settled.effects, odds + counts * (settled.likely - likely) - pays))
+        let pays: f64 = (with.len()..settled.effects.len()).map(pays).sum::<Option<f64>>()?;
+        let gains = counts(judge, least, &settled, with.len()) * (settled.likely - likely);
+        Some((settled.effects, odds + gains - pays))
     });
     shows.chain(promised).collect()
+}
+
+/// What counts of a nat that the effects after the first `before` gain: as blocks leave it of each, and where more is asked for because
+/// the library may be off by as much, so much less; of several the harmonic mean (Pauli, Racugno and Ventura 2011).
+fn counts(judge: &dyn Judge, least: &Least, settled: &Settled, before: usize) -> f64 {
+    let more = settled.effects.iter().zip(&settled.counts).skip(before);
+    let takes =
+        more.map(|(it, counts)| least.gain_of(judge, &settled.effects, it, settled.likely) / (least.nats * counts));
+    let (n, takes) = takes.fold((0.0, 0.0), |(n, sum), it| (n + 1.0, sum + it));
+    n / takes
 }
 
 /// One of these effects is as probable as where it is most so.
@@ -149,5 +157,25 @@ mod tests {
             alone += holds(&[World { effects: named, share: 1.0 }]);
         }
         assert!(both >= 15 && held >= 15 && alone <= 2, "{both}, {held} and {alone} of 20");
+    }
+
+    /// One of two shows throughout a log, the other in two blocks of twenty. What counts of a nat that they gain together hangs on
+    /// both, whichever comes last, and lies between what counts of either's.
+    #[test]
+    fn what_counts_of_two_is_of_both() {
+        let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
+        let of = |k: usize, share: f64| Planted { variant: kinds[k].clone(), size: share * kinds[k].sizes().1 };
+        let throughout = |t: usize| 3.0 * (0.37 * t as f64).sin();
+        let twice = |t: usize| if t / 20 % 10 == 3 { 4.0 * (0.37 * t as f64).cos() } else { 0.0 };
+        let mut log = Straight::new(&[of(0, 0.5), of(1, 0.5)], &[&throughout, &twice], Seed(5));
+        // More in the one block than in the other.
+        (0..20).for_each(|t| log.measured[60 + t] += 0.5 * twice(60 + t));
+        (0..20).for_each(|t| log.measured[260 + t] -= 0.5 * twice(260 + t));
+        let settled = settle(&log, vec![of(0, 0.5), of(1, 0.5)]);
+        let turned = settle(&log, vec![of(1, 0.5), of(0, 0.5)]);
+        let both = counts(&log, &LEAST, &settled, 0);
+        assert!((both / counts(&log, &LEAST, &turned, 0) - 1.0).abs() < 0.05, "{both}");
+        let [first, second] = [counts(&log, &LEAST, &turned, 1), counts(&log, &LEAST, &settled, 1)];
+        assert!(first > 2.0 * second && second < both && both < first, "{first}, {second} and {both} of both");
     }
 }
