@@ -1,5 +1,7 @@
 //! The nominal scenario with the effects that were found: `with_effect.toml`.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::{Cause, Estimate, Noise, Verdict};
 use asami_sim::effect::About;
@@ -67,6 +69,24 @@ pub fn repaired(text: &str, cause: &Cause) -> Result<String, CannotRepair> {
 pub fn whole(text: &str, cause: &Cause, diagnosis: &Diagnosis) -> Result<String, CannotRepair> {
     let repaired = repaired(text, &by_its_clocks(cause, diagnosis))?;
     if let Some(noise) = &diagnosis.noise { noisy(&repaired, noise) } else { Ok(repaired) }
+}
+
+/// The same of each world that a real robot's diagnosis draws, as it is believed; where it draws none, with the `cause` alone.
+///
+/// # Errors
+/// [`CannotRepair`] as of either.
+pub fn believed(text: &str, cause: &Cause, diagnosis: &Diagnosis) -> Result<Vec<String>, CannotRepair> {
+    let drawn = |values: &BTreeMap<String, f64>| {
+        let names = values.keys().filter_map(|path| path.split_once('.')).map(|(name, _)| name.to_owned());
+        let effects: BTreeSet<String> = names.collect();
+        let estimate = |value: f64| Estimate { value, interval: [value; 2], at_end: false };
+        let parameters = values.iter().map(|(path, value)| (path.clone(), estimate(*value))).collect();
+        Cause { effects: effects.into_iter().collect(), parameters, ..cause.clone() }
+    };
+    match diagnosis.draws.is_empty() {
+        true => Ok(vec![whole(text, cause, diagnosis)?]),
+        false => diagnosis.draws.iter().map(|values| whole(text, &drawn(values), diagnosis)).collect(),
+    }
 }
 
 /// A cause, and the clocks of the camera and of whoever takes commands up, if they are the robot's own.
@@ -149,8 +169,6 @@ fn effects(text: &str) -> Result<Effects, String> {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
     use asami_gap::answer::diagnosis::Estimate;
     use asami_sim::robots::create::config::Sight;
 
@@ -253,6 +271,26 @@ learner = "canonical"
         }
     }
 
+    /// Every world that is drawn is a scenario with what it has and nothing else; without any there is the one with the cause.
+    #[test]
+    fn worlds_as_they_are_believed_are_scenarios() {
+        let nominal = include_str!("../../scenarios/create.toml");
+        let named = found(&[("wheel_base.ratio", 1.05)]);
+        let two = BTreeMap::from([("wheel_base.ratio".to_owned(), 1.04), ("wheel_lag.lag_s".to_owned(), 0.1)]);
+        let draws = vec![two, BTreeMap::from([("wheel_base.ratio".to_owned(), 1.07)])];
+        let diagnosis = Diagnosis { draws, ..Diagnosis::flat(&[]) };
+        let of = |diagnosis: &Diagnosis| {
+            let texts = believed(nominal, &named, diagnosis).unwrap();
+            texts.iter().map(|text| effects(text).unwrap()).collect::<Vec<_>>()
+        };
+        let worlds = of(&diagnosis);
+        let on = |it: &Effects| (it.wheel_base.as_ref().map(|it| it.ratio), it.wheel_lag.as_ref().map(|it| it.lag_s));
+        assert_eq!(worlds.iter().map(on).collect::<Vec<_>>(), [(Some(1.04), Some(0.1)), (Some(1.07), None)]);
+        assert_eq!(worlds[1].without("wheel_base"), Effects::default());
+        let alone = of(&Diagnosis::flat(&[]));
+        assert_eq!(alone.iter().map(on).collect::<Vec<_>>(), [(Some(1.05), None)]);
+    }
+
     #[test]
     fn only_a_named_effect_is_put_into_a_scenario() {
         let mut diagnosis = Diagnosis {
@@ -263,6 +301,7 @@ learner = "canonical"
             set90: Vec::new(),
             cannot_tell_apart: Vec::new(),
             unsettled: Vec::new(),
+            draws: Vec::new(),
             next_experiment: None,
             next_keys: None,
             next_nats: None,

@@ -96,8 +96,8 @@ pub fn table(all: &[Foretold]) -> Table {
     let heads = ["log", "measure", "scores", "factor before", "factor after", "nearer"];
     let mut table = Table::new("Learners' scores, foretold by simulation", &heads).caption(
         "What the learners err by on simulated logs against what they err by on the real one, learned in the same way: the factor, \
-         in the median over robots and learners, by which it is missed in the nominal world and in the one with the effects that \
-         were named; how many of the scores the latter comes nearer to.",
+         in the median over robots and learners, by which it is missed in the nominal world and in those that are believed after the \
+         log, with the effects that were named and what else may be there; how many of the scores the latter come nearer to.",
     );
     let mut groups: BTreeMap<(&str, usize), Vec<[f64; 2]>> = BTreeMap::new();
     for it in all {

@@ -2,9 +2,9 @@
 //! better, once what was found is in the simulator?
 //!
 //! A scenario of the recording says what is learned from it and how. The same is learned from simulated logs that stand in for
-//! the recording: of the nominal world, and of the one with the effects that the log's diagnosis names and the noise that it
-//! learned, with the same seeds. They
-//! are told what the recording's robot was told.
+//! the recording: of the nominal world, and of worlds as they are believed after the log's diagnosis, with the effects that it
+//! names, what else may be there and the noise that it learned, with the same seeds and for each seed another. What a learner errs by on
+//! the real robot comes of what is unsure, too. They are told what the recording's robot was told.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ pub enum World {
     Real,
     /// A simulated one that knows nothing of the log.
     Nominal,
-    /// The same with the effects that were found.
+    /// The same with what was found.
     Repaired,
 }
 
@@ -146,19 +146,42 @@ fn keep(recording: &mut Recording, wanted: impl Fn(Option<u16>) -> bool) {
     }
 }
 
-/// The nominal world and the repaired one of each robot whose log's effects were named.
-type Repairs = BTreeMap<Option<u16>, [Simulation; 2]>;
+/// Worlds that stand in for a robot.
+struct Repair {
+    nominal: Simulation,
+    /// As they are believed.
+    believed: Vec<Simulation>,
+}
+
+impl Repair {
+    /// The world of a stand-in.
+    fn of(&self, world: World, seed: u64) -> &Simulation {
+        match world {
+            World::Nominal => &self.nominal,
+            World::Real | World::Repaired => &self.believed[seed as usize % self.believed.len()],
+        }
+    }
+}
+
+/// Of each robot whose log's effects were named.
+type Repairs = BTreeMap<Option<u16>, Repair>;
 
 fn repairs(source: &Source, records: &[Record], ready: &Ready) -> Result<Repairs, miette::Report> {
     let whole = records.iter().filter(|it| it.log == source.name && it.part == Part::Whole);
     let mut worlds = BTreeMap::new();
     for (record, diagnosis) in whole.filter_map(|it| Some((it, it.diagnosis.as_ref()?))) {
         let Some(cause) = cause(diagnosis) else { continue };
-        let text = repaired::whole(&ready.held.text, cause, diagnosis).map_err(crate::verb::plain)?;
-        let with_effects = scenario::parse(&ready.held.name, "with_effect.toml", &text)?;
-        if let Scenario { origin: Origin::Simulated(repaired), .. } = with_effects {
-            worlds.insert(record.robot, [(*ready.held.simulation).clone(), *repaired]);
+        let mut believed = Vec::new();
+        for text in repaired::believed(&ready.held.text, cause, diagnosis).map_err(crate::verb::plain)? {
+            let with_effects = scenario::parse(&ready.held.name, "with_effect.toml", &text)?;
+            if let Scenario { origin: Origin::Simulated(repaired), .. } = with_effects {
+                believed.push(*repaired);
+            }
         }
+        if believed.is_empty() {
+            continue;
+        }
+        worlds.insert(record.robot, Repair { nominal: (*ready.held.simulation).clone(), believed });
     }
     Ok(worlds)
 }
@@ -174,9 +197,7 @@ fn stand_ins(
     let until_s = recording.windows.iter().map(|window| window.span_s().end).fold(0.0, f64::max) + 1.0;
     let parts: Vec<Option<u16>> = recording.parts.iter().map(|part| part.robot).collect();
     let wholes = parts.into_par_iter().with_max_len(1).map(|robot| {
-        let [nominal, repaired] = &worlds[&robot];
-        let of = if world == World::Nominal { nominal } else { repaired };
-        let simulation = Simulation { duration_s: until_s, ..of.clone() };
+        let simulation = Simulation { duration_s: until_s, ..worlds[&robot].of(world, seed).clone() };
         // The same for both worlds, so that they differ by nothing else.
         let seed = Seed(1 + 100 * seed + u64::from(robot.unwrap_or_default()));
         let commands = told.get(&robot).cloned().unwrap_or_default();

@@ -134,6 +134,7 @@ impl Diagnosis {
             set90: vec![effects],
             cannot_tell_apart: Vec::new(),
             unsettled: Vec::new(),
+            draws: Vec::new(),
             next_experiment: None,
             next_keys: None,
             next_nats: None,

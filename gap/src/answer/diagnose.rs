@@ -88,6 +88,7 @@ impl Diagnoser<'_> {
             set90: set90.iter().map(|cause| split(cause)).collect(),
             cannot_tell_apart,
             unsettled: Vec::new(),
+            draws: Vec::new(),
             smallest_visible: smallest_visible(judge, self.variants),
             astray_s: None,
             picture_period_s: None,

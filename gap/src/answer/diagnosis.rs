@@ -29,6 +29,11 @@ pub struct Diagnosis {
     /// Small parts of a real robot's gap, of which the log does not settle what they are; named is the rest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unsettled: Vec<Unsettled>,
+    /// Of a real robot worlds as they are believed, each as probable as any other: the values of what is named and of what else may be
+    /// there, by `NAME.PARAM`. What is to work on the robot is to work in all of them (Peng et al. 2018, "Sim-to-Real Transfer of
+    /// Robotic Control with Dynamics Randomization").
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub draws: Vec<BTreeMap<String, f64>>,
     /// What to record to split what is tied; `None` where nothing is.
     pub next_experiment: Option<String>,
     /// The keys of the scenario that drive the robot so, as `table.key = value`; `None` where the log's own commands are as
@@ -201,13 +206,13 @@ impl Estimate {
     /// The values of a planted effect's parameters, by `NAME.PARAM`, with those at the ends of an interval of sizes.
     #[must_use]
     pub fn of(planted: &Planted, interval: [f64; 2]) -> Vec<(String, Self)> {
-        let at = |size: f64| planted.variant.values(size);
+        let at = |size: f64| Planted { size, ..planted.clone() }.values();
         let ends = interval.map(at);
         let (least, greatest) = planted.variant.sizes();
         let at_end = least < greatest && planted.size >= AT_END * greatest;
         let values = at(planted.size).into_iter().enumerate().map(|(i, (name, value))| {
             let (a, b) = (ends[0][i].1, ends[1][i].1);
-            (format!("{}.{name}", planted.variant.about.name), Self { value, interval: [a.min(b), a.max(b)], at_end })
+            (name, Self { value, interval: [a.min(b), a.max(b)], at_end })
         });
         values.collect()
     }

@@ -148,7 +148,7 @@ pub(super) fn beside_others(judge: &dyn Judge, found: &[Planted], i: usize) -> O
 /// Thinks again of each of the effects ([`thought_again`]), and says how large each is whatever else there may be.
 #[must_use]
 pub fn reconsidered(judge: &dyn Judge, variants: &[Variant], layers: Vec<Layer>, least: &Least) -> Vec<Layer> {
-    sized(judge, variants, thought_again(judge, variants, layers, least), least)
+    sized(judge, variants, thought_again(judge, variants, layers, least), least).0
 }
 
 /// Thinks again of each of the effects, now that all the others are in the world: another may stand in its place, or none. What

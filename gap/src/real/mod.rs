@@ -157,11 +157,12 @@ pub fn diagnose_among(
     let (found, unsettled) = settled(&judge, found);
     // What is left open is not there to make up for anything: the others alone explain as much as they do where they are likeliest.
     let alone = (!unsettled.is_empty()).then(|| planted(&found));
-    let found = sized(&judge, &variants, found, &least);
+    let (found, draws) = sized(&judge, &variants, found, &least);
     let with = alone.unwrap_or_else(|| planted(&found));
     let astray_s = library.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
     let noise = noise::compared(nominal, &noisy);
-    Ok(Diagnosis { astray_s: Some(astray_s), noise, unsettled, ..assembled(&judge, &variants, &found, &with) })
+    let draws = draws.iter().map(|world| world.iter().flat_map(Planted::values).collect()).collect();
+    Ok(Diagnosis { astray_s: Some(astray_s), noise, unsettled, draws, ..assembled(&judge, &variants, &found, &with) })
 }
 
 /// What was found, and what that explains, `all` of which is in the world then.
@@ -196,6 +197,7 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer], all: &[Pl
         set90,
         cannot_tell_apart,
         unsettled: Vec::new(),
+        draws: Vec::new(),
         next_experiment: None,
         next_keys: None,
         next_nats: None,

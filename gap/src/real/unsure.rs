@@ -6,6 +6,7 @@
 //! law: the top may be anywhere on it, and says nothing. Of what is believed the middle counts.
 
 use asami_dataset::Seed;
+use rand::RngExt;
 
 use super::layers::{Layer, Least, planted};
 use super::ridge::Ridge;
@@ -29,6 +30,9 @@ pub struct Believed {
 /// Sizes that are believed are no less likely than the likeliest, in nats: of eight of them one in a thousand is.
 const LOST_NATS: f64 = 13.0;
 
+/// So many worlds are drawn.
+const DRAWS: usize = 24;
+
 /// The block in which each step is.
 pub fn blocks(judge: &dyn Judge) -> Vec<usize> {
     let numbered = judge.steps().iter().scan((0, None), |(block, before), step| {
@@ -40,34 +44,41 @@ pub fn blocks(judge: &dyn Judge) -> Vec<usize> {
     numbered.collect()
 }
 
-/// Layers at the sizes that are believed, whatever else there may be; but at those that they have in the most probable world where what
-/// is believed is so much less likely there that no ridge can lead to it: a likelihood with several tops is bent like none of them. How
-/// unsure they are then is taken to be how far off what is believed reaches, to either side.
+/// Layers at the sizes that are believed, whatever else there may be, and worlds drawn as they are believed; but at the sizes that they
+/// have in the most probable world, and that, where what is believed is so much less likely there that no ridge can lead to it: a likelihood
+/// with several tops is bent like none of them. How unsure they are then is taken to be how far off what is believed reaches, to either side.
 #[must_use]
-pub fn sized(judge: &dyn Judge, variants: &[Variant], layers: Vec<Layer>, least: &Least) -> Vec<Layer> {
+pub fn sized(
+    judge: &dyn Judge,
+    variants: &[Variant],
+    layers: Vec<Layer>,
+    least: &Least,
+) -> (Vec<Layer>, Vec<Vec<Planted>>) {
     let worlds = worlds(judge, variants, &planted(&layers), least);
-    let found = believed(judge, &worlds);
-    let likeliest = worlds.into_iter().reduce(|a, b| if b.share > a.share { b } else { a });
-    let sized = with_sizes(layers, found);
-    match likeliest {
-        Some(world) => or_at_the_top(judge, sized, &world.effects),
-        None => sized,
+    let walks = walks(judge, &worlds);
+    let sized = with_sizes(layers, believed(&worlds, &walks));
+    let Some(likeliest) = worlds.iter().reduce(|a, b| if b.share > a.share { b } else { a }) else {
+        return (sized, Vec::new());
+    };
+    match at_the_top(judge, &sized, &likeliest.effects) {
+        Some(found) => (with_sizes(sized, found), vec![likeliest.effects.clone()]),
+        None => (sized, drawn(&walks)),
     }
 }
 
-/// `top` has these effects where the log is likeliest, and may have others after them.
-fn or_at_the_top(judge: &dyn Judge, sized: Vec<Layer>, top: &[Planted]) -> Vec<Layer> {
+/// What is believed where the log is likeliest, if what is believed otherwise is lost; `top` has the effects of `sized`, and may have
+/// others after them.
+fn at_the_top(judge: &dyn Judge, sized: &[Layer], top: &[Planted]) -> Option<Vec<Believed>> {
     let beside = &top[sized.len()..];
-    if judge.log_likelihood(&[&planted(&sized), beside].concat()) >= judge.log_likelihood(top) - LOST_NATS {
-        return sized;
+    if judge.log_likelihood(&[&planted(sized), beside].concat()) >= judge.log_likelihood(top) - LOST_NATS {
+        return None;
     }
     let at_top = sized.iter().zip(top).map(|(layer, it)| {
         let (least, greatest) = it.variant.sizes();
         let far = layer.weighed.interval.map(|end| (end - it.size).abs()).into_iter().fold(0.0, f64::max);
         Believed { size: it.size, interval: [-far, far].map(|off| (it.size + off).clamp(least, greatest)) }
     });
-    let at_top = at_top.collect();
-    with_sizes(sized, at_top)
+    Some(at_top.collect())
 }
 
 fn with_sizes(mut layers: Vec<Layer>, found: Vec<Believed>) -> Vec<Layer> {
@@ -78,19 +89,57 @@ fn with_sizes(mut layers: Vec<Layer>, found: Vec<Believed>) -> Vec<Layer> {
     layers
 }
 
+/// A walk among the sizes of a world's effects.
+pub struct Walk<'a> {
+    world: &'a World,
+    /// Of each effect, by step.
+    sizes: Vec<Vec<f64>>,
+}
+
+/// Walks through those of these worlds in which the log is as likely as anything.
+#[must_use]
+pub fn walks<'a>(judge: &dyn Judge, worlds: &'a [World]) -> Vec<Walk<'a>> {
+    let walk = |world: &'a World| {
+        let ridge = Ridge::about(judge, &world.effects, blocks(judge))?.looked_at(judge, &world.effects);
+        let mut sizes = ridge.walk(Seed(0));
+        for (sizes, middle) in sizes.iter_mut().zip(&ridge.middle) {
+            sizes.iter_mut().for_each(|size| *size *= middle);
+        }
+        Some(Walk { world, sizes })
+    };
+    worlds.iter().filter_map(walk).collect()
+}
+
+/// Worlds as they are believed, each as probable as any other.
+fn drawn(walks: &[Walk]) -> Vec<Vec<Planted>> {
+    let mut rng = Seed(0).stream("worlds as they are believed");
+    let whole = walks.iter().fold(0.0, |sum, walk| sum + walk.world.share);
+    let mut draw = || {
+        let mut left = whole * rng.random::<f64>();
+        let at = walks.iter().position(|walk| {
+            left -= walk.world.share;
+            left < 0.0
+        });
+        let Walk { world, sizes } = &walks[at.unwrap_or(walks.len() - 1)];
+        let steps = sizes.first().map_or(0, Vec::len);
+        let step = (rng.random::<f64>() * steps as f64) as usize;
+        let effects = world.effects.iter().zip(sizes);
+        effects.map(|(it, sizes)| Planted { size: sizes[step], ..it.clone() }).collect()
+    };
+    let draws = if walks.is_empty() { 0 } else { DRAWS };
+    (0..draws).map(|_| draw()).collect()
+}
+
 /// What is believed of the sizes of the effects that all these worlds have, the fewest of which the first has.
 #[must_use]
-pub fn believed(judge: &dyn Judge, worlds: &[World]) -> Vec<Believed> {
+pub fn believed(worlds: &[World], walks: &[Walk]) -> Vec<Believed> {
     let asked = worlds.iter().map(|world| world.effects.len()).min().unwrap_or(0);
     // Of each size where walks through the worlds come by, with what a step of each counts.
     let mut seen: Vec<Vec<(f64, f64)>> = vec![Vec::new(); asked];
-    for world in worlds {
-        let Some(ridge) = Ridge::about(judge, &world.effects, blocks(judge)) else { continue };
-        let ridge = ridge.looked_at(judge, &world.effects);
-        let walked = ridge.walk(Seed(0)).into_iter().zip(&ridge.middle);
-        for (seen, (sizes, middle)) in seen.iter_mut().zip(walked) {
+    for Walk { world, sizes } in walks {
+        for (seen, sizes) in seen.iter_mut().zip(sizes) {
             let counts = world.share / sizes.len() as f64;
-            seen.extend(sizes.iter().map(|size| (middle * size, counts)));
+            seen.extend(sizes.iter().map(|size| (*size, counts)));
         }
     }
     let of = |(i, seen): (usize, &mut Vec<(f64, f64)>)| {
@@ -121,8 +170,13 @@ mod tests {
     use crate::straight::Straight;
     use crate::weigh::evidence::Weighed;
 
-    fn alone(effects: &[Planted]) -> [World; 1] {
-        [World { effects: effects.to_vec(), share: 1.0 }]
+    /// What is believed in the world with these effects and no other.
+    fn alone(judge: &dyn Judge, effects: &[Planted]) -> Vec<Believed> {
+        among(judge, &[World { effects: effects.to_vec(), share: 1.0 }])
+    }
+
+    fn among(judge: &dyn Judge, worlds: &[World]) -> Vec<Believed> {
+        believed(worlds, &walks(judge, worlds))
     }
 
     /// Noise that is three times what it is taken for leaves sizes three times as unsure, alone or beside another.
@@ -140,7 +194,7 @@ mod tests {
         }
         let width = |judge: &dyn Judge| {
             let relative = |it: Believed| (it.interval[1] - it.interval[0]) / it.size;
-            believed(judge, &alone(&truth)).into_iter().map(relative).collect::<Vec<f64>>()
+            alone(judge, &truth).into_iter().map(relative).collect::<Vec<f64>>()
         };
         let [quiet_widths, loud_widths] = [width(&quiet), width(&loud)];
         for (i, (quiet, loud)) in quiet_widths.iter().zip(&loud_widths).enumerate() {
@@ -158,7 +212,7 @@ mod tests {
         let (least, greatest) = kind.sizes();
         let truth = [Planted { size: 0.5 * greatest, variant: kind }];
         let nothing = Straight::new(&truth, &[&|_| 0.0], Seed(1));
-        let Believed { size, interval: [low, high] } = believed(&nothing, &alone(&truth))[0];
+        let Believed { size, interval: [low, high] } = alone(&nothing, &truth)[0];
         for (share, found) in [(0.05, low), (0.5, size), (0.95, high)] {
             let there = ln(found / least) / ln(greatest / least);
             assert!((there - share).abs() < 0.06, "{share}: {there}");
@@ -181,7 +235,7 @@ mod tests {
         let all = || shares.iter().flat_map(|a| shares.iter().map(|b| [*a, *b]));
         let (top, best) =
             all().map(|it| (likely(it), it)).fold((f64::NEG_INFINITY, [0.0; 2]), |a, b| if b.0 > a.0 { b } else { a });
-        let found = believed(&log, &alone(&of(best)));
+        let found = alone(&log, &of(best));
         for (k, found) in found.iter().enumerate() {
             let density = |share: f64| {
                 let row = all().filter(|it| {
@@ -220,11 +274,15 @@ mod tests {
         let named = || beside_one_another(&log, &top);
         let of = |layers: Vec<Layer>| (layers[0].weighed.best.size, layers[0].weighed.interval);
         let kinds = std::slice::from_ref(&kind);
-        let found = believed(&log, &worlds(&log, kinds, &top, &LEAST))[0];
-        assert_eq!(of(sized(&log, kinds, named(), &LEAST)), (found.size, found.interval));
+        let found = among(&log, &worlds(&log, kinds, &top, &LEAST))[0];
+        assert_eq!(of(sized(&log, kinds, named(), &LEAST).0), (found.size, found.interval));
         let size = top[0].size;
         let off = |by: f64| Believed { size: by * size, interval: [(by - 0.1) * size, (by + 0.1) * size] };
-        let kept = |by: f64| of(or_at_the_top(&log, with_sizes(named(), vec![off(by)]), &top));
+        let kept = |by: f64| {
+            let sized = with_sizes(named(), vec![off(by)]);
+            let at_top = at_the_top(&log, &sized, &top);
+            of(at_top.map_or_else(|| sized.clone(), |found| with_sizes(sized.clone(), found)))
+        };
         assert_eq!(kept(1.02), (off(1.02).size, off(1.02).interval));
         for by in [1.3, 0.7] {
             let (kept, [low, high]) = kept(by);
@@ -245,10 +303,44 @@ mod tests {
         let alone = settle(&log, vec![of(0, 0.4)]);
         let unlikely = alone.likely - log.log_likelihood(&truth[..1]);
         assert!(unlikely > 10.0 * LOST_NATS && alone.effects[0].size > 1.8 * truth[0].size, "{unlikely}");
-        let found = sized(&log, &kinds, beside_one_another(&log, &alone.effects), &LEAST);
+        let (found, _) = sized(&log, &kinds, beside_one_another(&log, &alone.effects), &LEAST);
         let Weighed { best, interval: [low, high], .. } = &found[0].weighed;
         assert!((low..=high).contains(&&truth[0].size) && (best.size / truth[0].size - 1.0).abs() < 0.15, "{found:?}");
         // By both waves' squares a standard deviation is 0.02 of the greatest size, and a middle of 90 % 3.29 of these.
         assert!((high - low) / kinds[0].sizes().1 < 0.1, "{low} to {high}");
+    }
+
+    /// Worlds that are drawn have what is named and, as often as it is probable, what else may be there; what they say of a size is what
+    /// is believed of it, and sizes that make up for one another do so in each of them.
+    #[test]
+    fn worlds_are_drawn_as_they_are_believed() {
+        let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
+        let of = |k: usize, share: f64| Planted { variant: kinds[k].clone(), size: share * kinds[k].sizes().1 };
+        let alike = |t: usize| 3.0 * (0.37 * t as f64).sin();
+        let apart = |t: usize| alike(t) + 0.4 * (0.91 * t as f64).sin();
+        let truth = [of(0, 0.4), of(1, 0.5)];
+        let log = Straight::new(&truth, &[&alike, &apart], Seed(3));
+        let both = settle(&log, truth.to_vec()).effects;
+        let worlds = [(both.clone(), 0.7), (both[..1].to_vec(), 0.3)].map(|(effects, share)| World { effects, share });
+        let walks = walks(&log, &worlds);
+        let draws = drawn(&walks);
+        assert_eq!(draws.len(), DRAWS);
+        assert!(draws.iter().all(|it| it[0].variant == kinds[0] && it.len() <= 2));
+        let with_both = draws.iter().filter(|it| it.len() == 2).count() as f64 / DRAWS as f64;
+        // Three standard deviations of a share of 0.7 among so many.
+        assert!((with_both - 0.7).abs() < 3.0 * (0.21 / DRAWS as f64).sqrt(), "{with_both}");
+        let inside = draws.iter().filter(|it| {
+            let [low, high] = believed(&worlds, &walks)[0].interval;
+            (low..=high).contains(&it[0].size)
+        });
+        assert!(inside.count() as f64 >= 0.9 * DRAWS as f64 - 3.0 * (0.09 * DRAWS as f64).sqrt());
+        // In a world with both, what parts them is known to a tenth of how unsure either is.
+        let pairs = draws.iter().filter(|it| it.len() == 2).map(|it| [0, 1].map(|k| it[k].size / kinds[k].sizes().1));
+        let pairs: Vec<[f64; 2]> = pairs.collect();
+        let spread = |of: &dyn Fn(&[f64; 2]) -> f64| {
+            let mean = pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
+            pairs.iter().map(|it| (of(it) - mean).powi(2)).sum::<f64>().sqrt()
+        };
+        assert!(spread(&|it| it[0] + it[1]) < 0.3 * spread(&|it| it[0]), "{pairs:?}");
     }
 }

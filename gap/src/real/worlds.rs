@@ -101,7 +101,7 @@ mod tests {
 
     use super::*;
     use crate::real::layers::ANY_SHARE as LEAST;
-    use crate::real::unsure::believed;
+    use crate::real::unsure::{believed, walks};
     use crate::straight::Straight;
 
     /// What is not worth a name may be there all the same, and what is named makes up for it: intervals allow for that.
@@ -118,7 +118,7 @@ mod tests {
             let log = Straight::new(&truth, &[&|t| wave(t, 0.37), &alike], Seed(seed));
             let named = settle(&log, vec![of(0, 0.5)]).effects;
             let holds = |worlds: &[World]| {
-                let [low, high] = believed(&log, worlds)[0].interval;
+                let [low, high] = believed(worlds, &walks(&log, worlds))[0].interval;
                 low <= truth[0].size && truth[0].size <= high
             };
             let worlds = worlds(&log, &kinds, &named, &LEAST);
@@ -149,7 +149,7 @@ mod tests {
             let with_both: f64 = found.iter().filter(|it| it.effects.len() == 3).map(|it| it.share).sum();
             assert!(found.iter().filter(|it| it.effects.len() == 3).count() <= 1, "{found:?}");
             let holds = |worlds: &[World]| {
-                let [low, high] = believed(&log, worlds)[0].interval;
+                let [low, high] = believed(worlds, &walks(&log, worlds))[0].interval;
                 usize::from((low..=high).contains(&truth))
             };
             both += usize::from(with_both > 0.5);

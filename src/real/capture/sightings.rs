@@ -18,6 +18,11 @@ const WIDEST_RAD: f64 = 1.4;
 /// What sees landmarks farther to the sides is a scanner.
 const SCANNER_RAD: f64 = FRAC_PI_2;
 
+/// Ranges scatter the more the farther: each of so many classes of distance by itself.
+const CLASSES: usize = 10;
+/// What is usual is no less than this, in metres or radians.
+const LEAST_OFF: f64 = 1e-9;
+
 const FOCAL: &str = "focal_error";
 const LENS: &str = "lens_distortion";
 const SCALE: &str = "range_scale";
@@ -94,7 +99,8 @@ pub(super) fn sightings(dataset: &Dataset, ahead_rad: f64, capture: &mut Capture
     if all.len() < LEAST {
         return;
     }
-    let Some((ranges, kept)) = fitted(&all.iter().map(Seen::range).collect::<Vec<_>>()) else { return };
+    let rows: Vec<Row<5>> = all.iter().map(Seen::range).collect();
+    let Some((ranges, kept)) = fitted_by(&rows, &classes(&all)) else { return };
     let offsets: Vec<f64> = all.iter().zip(kept).filter(|(_, kept)| *kept).map(|(seen, _)| seen.off_rad()).collect();
     let values = [
         ("range_offset.offset_m", ranges[0]),
@@ -147,21 +153,44 @@ fn image(all: &[Seen], range_ratio: f64, capture: &mut Capture) {
 
 /// Least squares of those rows that are not of something else, and which these are; `None` where they leave something open.
 fn fitted<const N: usize>(rows: &[Row<N>]) -> Option<([f64; N], Vec<bool>)> {
+    fitted_by(rows, &vec![0; rows.len()])
+}
+
+/// The same where those of each class scatter by themselves, and count the less the more they do.
+fn fitted_by<const N: usize>(rows: &[Row<N>], class: &[usize]) -> Option<([f64; N], Vec<bool>)> {
+    let mut usual = vec![1.0; class.iter().max().map_or(0, |last| last + 1)];
     let mut kept = vec![true; rows.len()];
     let mut found = [0.0; N];
     for _ in 0..ROUNDS {
-        let counted = rows.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(row, _)| (row.0.to_vec(), row.1));
-        let fit = least_squares(N, counted).solve().filter(|fit| fit.rank == N)?;
-        found = fit.coefficients.try_into().ok()?;
+        let weighed = |(i, (x, y)): (usize, &Row<N>)| (x.map(|x| x / usual[class[i]]).to_vec(), y / usual[class[i]]);
+        let fit = least_squares(N, rows.iter().enumerate().filter(|(i, _)| kept[*i]).map(weighed)).solve();
+        found = fit.filter(|fit| fit.rank == N)?.coefficients.try_into().ok()?;
         let off = |row: &Row<N>| (row.1 - row.0.iter().zip(found).fold(0.0, |sum, (x, k)| sum + k * x)).abs();
-        let usual = median(&rows.iter().map(off).collect::<Vec<f64>>()).unwrap_or(0.0);
-        kept = rows.iter().map(|row| off(row) <= OUTLIER * usual).collect();
+        let off: Vec<f64> = rows.iter().map(off).collect();
+        for (k, usual) in usual.iter_mut().enumerate() {
+            let of_class: Vec<f64> = off.iter().zip(class).filter(|(_, of)| **of == k).map(|it| *it.0).collect();
+            *usual = median(&of_class).unwrap_or(0.0).max(LEAST_OFF);
+        }
+        kept = off.iter().zip(class).map(|(off, class)| *off <= OUTLIER * usual[*class]).collect();
     }
     Some((found, kept))
 }
 
+/// As many of the nearest as of those that are next, and so on.
+fn classes(all: &[Seen]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..all.len()).collect();
+    order.sort_by(|a, b| all[*a].distance_m.total_cmp(&all[*b].distance_m));
+    let mut class = vec![0; all.len()];
+    order.into_iter().enumerate().for_each(|(place, i)| class[i] = CLASSES * place / all.len());
+    class
+}
+
 #[cfg(test)]
 mod tests {
+    use asami_dataset::Seed;
+    use rand::RngExt;
+    use rand_distr::StandardNormal;
+
     use super::*;
 
     const FOCAL_RATIO: f64 = 0.97;
@@ -255,5 +284,39 @@ mod tests {
         let mut capture = Capture::default();
         angles(&camera, &mut capture);
         assert_eq!(capture, Capture::default());
+    }
+
+    /// Ranges that scatter by the square of the distance, and a depth that is told by the near ones: as exact as the weights of
+    /// their true scatter would have it, and not as all alike would.
+    #[test]
+    fn what_is_far_and_scatters_counts_for_less() {
+        let depths = |seed: u64| {
+            let mut rng = Seed(seed).stream("ranges that scatter");
+            let seen = |i: u16| {
+                let (bearing_rad, distance_m) = (0.1 * f64::from(i % 11) - 0.5, 1.0 + 0.5 * f64::from(i % 13));
+                let normal: f64 = rng.sample(StandardNormal);
+                let depth_m = distance_m * (1.0 - 0.9 * (1.0 - cos(bearing_rad)));
+                Seen {
+                    distance_m,
+                    bearing_rad,
+                    read_m: depth_m + 0.002 * distance_m * distance_m * normal,
+                    read_rad: bearing_rad,
+                    turning_rad_per_s: 0.0,
+                    parting_m_per_s: 0.1 * f64::from(i % 5) - 0.2,
+                    swinging_rad_per_s: 0.0,
+                }
+            };
+            let all: Vec<Seen> = (0..1430).map(seen).collect();
+            let rows: Vec<Row<5>> = all.iter().map(Seen::range).collect();
+            let sds = all.iter().map(|it| 0.002 * it.distance_m * it.distance_m);
+            let exact = rows.iter().zip(sds).map(|((x, y), sd)| (x.map(|x| x / sd).to_vec(), y / sd));
+            let exact = least_squares(5, exact).solve().unwrap().coefficients;
+            let share = |found: &[f64]| found[2] / found[1] - 0.9;
+            let [weighed, alike] = [fitted_by(&rows, &classes(&all)), fitted(&rows)].map(|it| share(&it.unwrap().0));
+            [weighed, alike, share(&exact)]
+        };
+        let all: Vec<[f64; 3]> = (0..60).map(depths).collect();
+        let [weighed, alike, exact] = [0, 1, 2].map(|k| all.iter().map(|it| it[k] * it[k]).sum::<f64>().sqrt());
+        assert!(weighed < 1.15 * exact && alike > 1.5 * exact, "{weighed} and {alike}, at best {exact}");
     }
 }
