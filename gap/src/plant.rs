@@ -129,13 +129,6 @@ pub struct Planted {
 }
 
 impl Planted {
-    /// Values of its parameters, by `NAME.PARAM`.
-    #[must_use]
-    pub fn values(&self) -> Vec<(String, f64)> {
-        let name = self.variant.about.name;
-        self.variant.values(self.size).into_iter().map(|(parameter, it)| (format!("{name}.{parameter}"), it)).collect()
-    }
-
     /// Draws a kind of `about` in a world of so many landmarks, and a size, by its law; `None` for an effect that has no law.
     #[must_use]
     pub fn draw(about: &'static About, landmarks: usize, rng: &mut Rng) -> Option<Self> {

@@ -206,7 +206,7 @@ impl Estimate {
     /// The values of a planted effect's parameters, by `NAME.PARAM`, with those at the ends of an interval of sizes.
     #[must_use]
     pub fn of(planted: &Planted, interval: [f64; 2]) -> Vec<(String, Self)> {
-        let at = |size: f64| Planted { size, ..planted.clone() }.values();
+        let at = |size: f64| values(&Planted { size, ..planted.clone() });
         let ends = interval.map(at);
         let (least, greatest) = planted.variant.sizes();
         let at_end = least < greatest && planted.size >= AT_END * greatest;
@@ -216,6 +216,14 @@ impl Estimate {
         });
         values.collect()
     }
+}
+
+/// Values of the parameters of an effect, by `NAME.PARAM`.
+#[must_use]
+pub fn values(planted: &Planted) -> Vec<(String, f64)> {
+    let name = planted.variant.about.name;
+    let values = planted.variant.values(planted.size).into_iter();
+    values.map(|(parameter, value)| (format!("{name}.{parameter}"), value)).collect()
 }
 
 /// What probabilities were calibrated on.

@@ -23,7 +23,7 @@ use asami_math::elementary::exp;
 use asami_sim::effect::{Block, Place};
 use rayon::prelude::*;
 
-use crate::answer::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict};
+use crate::answer::diagnosis::{Cause, Diagnosis, Estimate, HowFar, SCHEMA, Verdict, values};
 use crate::answer::how_far::how_far;
 use crate::answer::place::places;
 use crate::blocks::{self, Fitted};
@@ -161,7 +161,7 @@ pub fn diagnose_among(
     let with = alone.unwrap_or_else(|| planted(&found));
     let astray_s = library.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
     let noise = noise::compared(nominal, &noisy);
-    let draws = draws.iter().map(|world| world.iter().flat_map(Planted::values).collect()).collect();
+    let draws = draws.iter().map(|world| world.iter().flat_map(values).collect()).collect();
     Ok(Diagnosis { astray_s: Some(astray_s), noise, unsettled, draws, ..assembled(&judge, &variants, &found, &with) })
 }
 

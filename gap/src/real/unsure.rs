@@ -54,6 +54,9 @@ pub fn sized(
     layers: Vec<Layer>,
     least: &Least,
 ) -> (Vec<Layer>, Vec<Vec<Planted>>) {
+    if layers.is_empty() {
+        return (layers, Vec::new());
+    }
     let worlds = worlds(judge, variants, &planted(&layers), least);
     let walks = walks(judge, &worlds);
     let sized = with_sizes(layers, believed(&worlds, &walks));
@@ -96,7 +99,7 @@ pub struct Walk<'a> {
     sizes: Vec<Vec<f64>>,
 }
 
-/// Walks through those of these worlds in which the log is as likely as anything.
+/// Walks through these worlds, but for those about which the log's likelihood is not finite.
 #[must_use]
 pub fn walks<'a>(judge: &dyn Judge, worlds: &'a [World]) -> Vec<Walk<'a>> {
     let walk = |world: &'a World| {
@@ -262,6 +265,14 @@ mod tests {
             let width = 0.5 * (found.interval[1] - found.interval[0]) / greatest;
             assert!((0.8..1.5).contains(&(width / half)), "{k}: {width} {half}");
         }
+    }
+
+    /// Of a log of which nothing is named no world is drawn.
+    #[test]
+    fn where_nothing_is_named_nothing_is_drawn() {
+        let kind = Straight::kind("command_scale");
+        let log = Straight::new(&[Planted { size: 0.5 * kind.sizes().1, variant: kind.clone() }], &[&|_| 0.0], Seed(1));
+        assert_eq!(sized(&log, &[kind], Vec::new(), &LEAST), (Vec::new(), Vec::new()));
     }
 
     /// Sizes that are far from where the log is likeliest are not believed, those that are near are.

@@ -36,8 +36,7 @@ type Odds = (Vec<Planted>, f64);
 pub fn worlds(judge: &dyn Judge, variants: &[Variant], named: &[Planted], least: &Least) -> Vec<World> {
     let mut all: Vec<Odds> = vec![(named.to_vec(), 0.0)];
     let mut base = all[0].clone();
-    let unnamed = if named.is_empty() { 0 } else { UNNAMED };
-    for _ in 0..unnamed {
+    for _ in 0..UNNAMED {
         let further = beside(judge, variants, &base, least);
         let likeliest = further.iter().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|it| it.1 > base.1).cloned();
         further.into_iter().for_each(|it| add(&mut all, it));
