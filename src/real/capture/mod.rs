@@ -3,13 +3,15 @@
 //!
 //! Motion is measured over windows of a second, of which truth is known throughout: the way forward in the robot's frame
 //! against the commanded speed's integral, and that of the speed times the squared turning rate, the turn against the
-//! commanded turning rate's integral and the way; commands act some time later, as through a lag, or both. The frame that
+//! commanded turning rate's integral and the way; commands act some time later, as through a lag, or both. Proportions are those of
+//! stretches in which the same is told for long, where there are enough. The frame that
 //! capture gives a robot hangs on how its markers were put on: ahead is where the robot goes when it is not turning. Windows
 //! in which a robot does something else altogether (it is held up, or its own reflexes overrule what it is told) count for
 //! nothing. Nothing here is given to a diagnosis.
 
 mod motion;
 mod sightings;
+mod steady;
 pub mod steering;
 
 use std::collections::BTreeMap;
@@ -107,7 +109,8 @@ pub fn capture(dataset: &Dataset, own_lag_s: f64) -> Capture {
     let mut windows = windows(&dataset.truth.track);
     let ahead_rad = ahead(&windows);
     windows.iter_mut().for_each(|window| window.look(ahead_rad));
-    motion::motion(dataset, &mut windows, own_lag_s, &mut capture);
+    let steady = steady::steady(dataset, ahead_rad);
+    motion::motion(dataset, &mut windows, steady, own_lag_s, &mut capture);
     sightings::sightings(dataset, ahead_rad, &mut capture);
     capture
 }
@@ -115,21 +118,21 @@ pub fn capture(dataset: &Dataset, own_lag_s: f64) -> Capture {
 fn windows(track: &[TruePose]) -> Vec<Window> {
     let (Some(first), Some(last)) = (track.first(), track.last()) else { return Vec::new() };
     let n = ((last.t_s - first.t_s) / WINDOW_S) as usize;
-    (0..n).filter_map(|i| window(track, first.t_s + i as f64 * WINDOW_S)).collect()
+    (0..n).filter_map(|i| window(track, first.t_s + i as f64 * WINDOW_S, WINDOW_S)).collect()
 }
 
-fn window(track: &[TruePose], from_s: f64) -> Option<Window> {
+fn window(track: &[TruePose], from_s: f64, length_s: f64) -> Option<Window> {
     let within =
-        track.partition_point(|pose| pose.t_s < from_s)..track.partition_point(|pose| pose.t_s <= from_s + WINDOW_S);
+        track.partition_point(|pose| pose.t_s < from_s)..track.partition_point(|pose| pose.t_s <= from_s + length_s);
     let around = &track[within.start.saturating_sub(1)..(within.end + 1).min(track.len())];
     if around.windows(2).any(|pair| pair[1].t_s - pair[0].t_s > MOST_GAP_S) {
         return None;
     }
-    let steps = (WINDOW_S / STEP_S).round() as usize;
+    let steps = (length_s / STEP_S).round().max(1.0);
     let (mut forward_m, mut left_m, mut turn_rad) = (0.0, 0.0, 0.0);
     let mut before = pose_at(track, from_s)?;
-    for i in 1..=steps {
-        let pose = pose_at(track, from_s + i as f64 * STEP_S)?;
+    for i in 1..=steps as usize {
+        let pose = pose_at(track, from_s + i as f64 * length_s / steps)?;
         let turned = wrap_rad(pose.theta_rad - before.theta_rad);
         let (sin, cos) = sin_cos(before.theta_rad + 0.5 * turned);
         let (dx_m, dy_m) = (pose.x_m - before.x_m, pose.y_m - before.y_m);

@@ -3,6 +3,7 @@
 use asami_dataset::{Action, Command, Dataset};
 use asami_math::statistics::median;
 
+use super::steady::Steady;
 use super::{Capture, LEAST, OUTLIER, ROUNDS, Together, WINDOW_S, Window};
 use crate::real::commanded::Commanded;
 
@@ -94,7 +95,7 @@ fn up_to(most_s: f64, apart_s: f64) -> impl Iterator<Item = f64> {
 }
 
 /// Weights of two columns, by least squares; where it is not free, the first's is 1 and the second's 0.
-fn weights(rows: impl Iterator<Item = ([f64; 2], f64)>, free: [bool; 2]) -> [f64; 2] {
+pub(super) fn weights(rows: impl Iterator<Item = ([f64; 2], f64)>, free: [bool; 2]) -> [f64; 2] {
     let (mut aa, mut ab, mut bb, mut ay, mut by) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for ([a, b], y) in rows {
         (aa, ab, bb, ay, by) = (aa + a * a, ab + a * b, bb + b * b, ay + a * y, by + b * y);
@@ -135,7 +136,14 @@ fn least_squares_left<'a>(fits: impl Iterator<Item = &'a Left>) -> [f64; 2] {
     fits.fold([f64::INFINITY; 2], |least, it| [least[0].min(it.squares[0]), least[1].min(it.squares[1])])
 }
 
-pub(super) fn motion(dataset: &Dataset, windows: &mut [Window], own_lag_s: f64, capture: &mut Capture) {
+/// Proportions are the steady ones, if there are any.
+pub(super) fn motion(
+    dataset: &Dataset,
+    windows: &mut [Window],
+    steady: Option<Steady>,
+    own_lag_s: f64,
+    capture: &mut Capture,
+) {
     let commands = &dataset.log.commands;
     if windows.len() < LEAST || !commands.iter().any(|it| matches!(it.action, Action::Wheels { .. })) {
         return;
@@ -172,12 +180,23 @@ pub(super) fn motion(dataset: &Dataset, windows: &mut [Window], own_lag_s: f64, 
     let own = |lag_s: f64| (lag_s - own_lag_s).max(0.0);
     let [delayed, lagged] =
         [&delayed, &lagged].map(|late| lags.best(windows, late, ALL, scale).map_or(Late::default(), |it| it.late));
+    let of_all = || {
+        let unscaled = lags.fit(windows, found.late, Free { scaled: false, ..ALL });
+        Steady {
+            forward: found.forward,
+            turn: found.turn,
+            loss_s2: found.loss_s2,
+            unscaled_loss_s2: unscaled.map_or(f64::NAN, |it| it.loss_s2),
+            bend_rad_per_m: found.bend_rad_per_m,
+        }
+    };
+    let Steady { forward, turn, loss_s2, unscaled_loss_s2, bend_rad_per_m } = steady.unwrap_or_else(of_all);
     for (name, value) in [
-        ("command_scale.y_ratio", found.forward),
-        ("command_scale.theta_ratio", found.turn),
-        (BASE, 1.0 / found.turn),
-        (SLOWING, found.loss_s2),
-        ("unequal_wheels.ratio", 1.0 + BASE_M * found.bend_rad_per_m),
+        ("command_scale.y_ratio", forward),
+        ("command_scale.theta_ratio", turn),
+        (BASE, 1.0 / turn),
+        (SLOWING, loss_s2),
+        ("unequal_wheels.ratio", 1.0 + BASE_M * bend_rad_per_m),
         (DELAY, delayed.delay_s),
         (LAG, own(lagged.lag_s)),
     ] {
@@ -185,10 +204,9 @@ pub(super) fn motion(dataset: &Dataset, windows: &mut [Window], own_lag_s: f64, 
             capture.values.insert(name.to_owned(), value);
         }
     }
-    let unscaled = lags.fit(windows, found.late, Free { scaled: false, ..ALL });
     let of_late = [(DELAY, found.late.delay_s), (LAG, own(found.late.lag_s))];
-    let scaled = [(BASE, found.forward / found.turn), ("command_scale.theta_ratio", found.forward)];
-    let unscaled = [(SLOWING, unscaled.map_or(f64::NAN, |it| it.loss_s2))];
+    let scaled = [(BASE, forward / turn), ("command_scale.theta_ratio", forward)];
+    let unscaled = [(SLOWING, unscaled_loss_s2)];
     let values = |of: &[(&str, f64)]| {
         let shown = of.iter().filter(|(_, value)| value.is_finite());
         shown.map(|(name, value)| ((*name).to_owned(), *value)).collect()

@@ -1,0 +1,163 @@
+//! What a robot does while it has been told the same for a while.
+//!
+//! A log says when a command was given, and wheels take it up when they come to it: what is told for less than their cycle lasts a whole
+//! one, or none. Where most of what is told is shorter than a log can date, proportions of what is done to what is told are wrong over all
+//! of it, and right where the same is told for long.
+
+use asami_dataset::Dataset;
+use asami_math::statistics::median;
+
+use super::motion::weights;
+use super::{LEAST, OUTLIER, ROUNDS, Window, window};
+
+/// What was told for less is done by then.
+const SETTLES_S: f64 = 0.7;
+/// What is looked at lasts no less.
+const SHORTEST_S: f64 = 0.3;
+/// Fewer stretches in which it turns say nothing of turns.
+const FEWEST_TURNS: usize = 5;
+/// What turns turns by more, in rad/s.
+const TURNS_RAD_PER_S: f64 = 0.02;
+
+/// What is usual is no less than this, in m/s or rad/s.
+const LEAST_OFF: f64 = 1e-6;
+
+/// In proportion to what it is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Steady {
+    /// Its speed.
+    pub forward: f64,
+    /// Its turning rate.
+    pub turn: f64,
+    /// Share of the speed that is lost at 1 rad/s, in s².
+    pub loss_s2: f64,
+    /// The same of a robot that goes as fast as it is told where it does not turn.
+    pub unscaled_loss_s2: f64,
+    /// To the left, in rad/m.
+    pub bend_rad_per_m: f64,
+}
+
+/// A stretch, and what was told in it: a speed and a turning rate.
+type Stretch = (Window, [f64; 2], f64);
+
+/// `None` where too little is told for long.
+pub(super) fn steady(dataset: &Dataset, ahead_rad: f64) -> Option<Steady> {
+    let mut stretches = stretches(dataset);
+    stretches.iter_mut().for_each(|it| it.0.look(ahead_rad));
+    let turning = stretches.iter().filter(|(_, [_, omega], _)| omega.abs() > TURNS_RAD_PER_S).count();
+    if stretches.len() < LEAST || turning < FEWEST_TURNS {
+        return None;
+    }
+    let way = |(_, [v, omega], length_s): &Stretch| [v * length_s, v * omega * omega * length_s];
+    let [forward, more] = fitted(&stretches, 0, &way, [true, true]);
+    let [_, unscaled] = fitted(&stretches, 0, &way, [false, true]);
+    let turned = |it: &Stretch| [it.1[1] * it.2, it.0.moved(0)];
+    let [turn, bend_rad_per_m] = fitted(&stretches, 1, &turned, [true, true]);
+    Some(Steady { forward, turn, loss_s2: -more / forward, unscaled_loss_s2: -unscaled, bend_rad_per_m })
+}
+
+/// Where the same has been told for long enough, until something else is.
+fn stretches(dataset: &Dataset) -> Vec<Stretch> {
+    let told = |i: usize| dataset.log.commands.get(i).and_then(|it| it.action.velocity());
+    let commands = &dataset.log.commands;
+    let changes: Vec<usize> = (0..commands.len()).filter(|i| *i == 0 || told(*i) != told(i - 1)).collect();
+    let stretch = |ends: &[usize]| {
+        let from_s = commands[ends[0]].t_s + SETTLES_S;
+        let length_s = commands[ends[1]].t_s - from_s;
+        let of = if length_s < SHORTEST_S { None } else { window(&dataset.truth.track, from_s, length_s) };
+        Some((of?, told(ends[0])?, length_s))
+    };
+    changes.windows(2).filter_map(stretch).collect()
+}
+
+/// What the way forward, 0, or the turn, 1, is in proportion to, without what is something else altogether.
+fn fitted(stretches: &[Stretch], axis: usize, of: &dyn Fn(&Stretch) -> [f64; 2], free: [bool; 2]) -> [f64; 2] {
+    let mut kept = vec![true; stretches.len()];
+    let mut found = [0.0; 2];
+    for _ in 0..ROUNDS {
+        let counting = stretches.iter().zip(&kept).filter(|(_, kept)| **kept);
+        found = weights(counting.map(|(it, _)| (of(it), it.0.moved(axis))), free);
+        let off = |it: &Stretch| {
+            let [a, b] = of(it);
+            (it.0.moved(axis) - found[0] * a - found[1] * b).abs() / it.2
+        };
+        let off: Vec<f64> = stretches.iter().map(off).collect();
+        let usual = median(&off).unwrap_or(0.0).max(LEAST_OFF);
+        kept = off.iter().map(|it| *it <= OUTLIER * usual).collect();
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use asami_dataset::{Action, Command, Log, TruePose, Truth};
+    use asami_math::elementary::sin_cos;
+
+    use super::*;
+    use crate::real::capture::capture;
+
+    /// Goes 1.01 times as fast as told and loses 2.6 s² of that in turns, turns 0.97 times as fast; every other command is a burst of a turn
+    /// that is told for 0.05 to 0.4 s, and lasts 0.216 s.
+    fn bursts(seconds: f64) -> Dataset {
+        let (mut told, mut done) = (Vec::new(), Vec::new());
+        let (mut t_s, mut i) = (0.0, 0);
+        while t_s < seconds {
+            let (omega, long_s) = (if i % 5 == 2 { 0.4 } else { 0.0 }, 2.0 + 0.3 * f64::from(i % 4));
+            told.push((t_s, 0.09, omega));
+            done.push((t_s, 0.09, omega));
+            t_s += long_s;
+            let burst_s = 0.05 + 0.05 * f64::from(i * 3 % 8);
+            told.push((t_s, 0.07, -0.4));
+            done.push((t_s, 0.07, -0.4));
+            // The next is taken up a whole cycle later.
+            told.push((t_s + burst_s, 0.09, 0.0));
+            done.push((t_s + 0.216, 0.09, 0.0));
+            t_s += 2.0;
+            i += 1;
+        }
+        let wheels = |(t_s, v_m_per_s, omega_rad_per_s): &(f64, f64, f64)| Command {
+            t_s: *t_s,
+            action: Action::Wheels { id: None, v_m_per_s: *v_m_per_s, omega_rad_per_s: *omega_rad_per_s },
+        };
+        let commands: Vec<Command> = told.iter().map(wheels).collect();
+        let mut pose = TruePose { t_s: 0.0, x_m: 0.0, y_m: 0.0, theta_rad: 0.0, v_m_per_s: None };
+        let mut track = vec![pose];
+        for k in 0..(seconds / 0.01) as usize {
+            let at = done.partition_point(|it| it.0 <= pose.t_s - 0.2 + 1e-9);
+            let (_, v, omega) = at.checked_sub(1).map_or((0.0, 0.0, 0.0), |at| done[at]);
+            let (v, turned) = (1.01 * v * (1.0 - 2.6 * omega * omega), 0.01 * 0.97 * omega);
+            let (sin, cos) = sin_cos(pose.theta_rad + 0.5 * turned);
+            (pose.x_m, pose.y_m) = (pose.x_m - 0.01 * v * sin, pose.y_m + 0.01 * v * cos);
+            (pose.t_s, pose.theta_rad) = (0.01 * (k + 1) as f64, pose.theta_rad + turned);
+            track.push(pose);
+        }
+        let log = Log { commands: commands.into(), ..Log::default() };
+        Dataset { log, truth: Truth { track: track.into(), survey: None }, provenance: None }
+    }
+
+    /// Bursts that a log dates badly make neither a scale nor a wheel base.
+    #[test]
+    fn what_is_told_for_long_is_told_right() {
+        let found = capture(&bursts(300.0), 0.0).values;
+        let near = |name: &str, expected: f64, tolerance: f64| {
+            let value = found.get(name).copied().unwrap_or(f64::NAN);
+            assert!((value - expected).abs() < tolerance, "{name}: {value}, not {expected}: {found:?}");
+        };
+        near("command_scale.y_ratio", 1.01, 0.002);
+        near("turn_slowing.loss_s2", 2.6, 0.03);
+        near("wheel_base.ratio", 1.0 / 0.97, 0.005);
+    }
+
+    /// Where nothing is told for long there is nothing to be seen of this.
+    #[test]
+    fn without_long_commands_nothing_is_shown() {
+        let mut short = bursts(300.0);
+        let every = |i: usize| {
+            let t_s = 0.4 * i as f64;
+            Command { t_s, action: Action::Wheels { id: None, v_m_per_s: 0.1, omega_rad_per_s: 0.3 * (i % 3) as f64 } }
+        };
+        short.log.commands = (0..700).map(every).collect::<Vec<_>>().into();
+        assert_eq!(steady(&short, 0.0), None);
+        assert!(steady(&bursts(300.0), 0.0).is_some() && steady(&bursts(20.0), 0.0).is_none());
+    }
+}
