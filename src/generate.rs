@@ -1,11 +1,11 @@
 //! One data set out of a scenario's world.
 
 use asami_dataset::parameters::{Fault, out_of_range};
-use asami_dataset::{Dataset, Seed};
+use asami_dataset::{Command, Dataset, Seed};
 use asami_sim::effects::{Effects, catalogue};
 
 use crate::scenario::fault::nearest;
-use crate::scenario::{Origin, Scenario, check};
+use crate::scenario::{Origin, Robot, Scenario, check};
 use crate::survey;
 use crate::sweep::manifest::repository;
 
@@ -56,6 +56,9 @@ pub enum CannotGenerate {
     /// Out of range, or of another robot.
     #[error("{}", .0.iter().map(|fault| format!("{}: {}", fault.path, fault.message)).collect::<Vec<_>>().join("; "))]
     Faults(Vec<Fault>),
+    /// It is not told by the speeds of its wheels.
+    #[error("commands of another log are for robots on wheels (robot \"create\"); {0} has none")]
+    NotOnWheels(String),
     /// The world cannot be built.
     #[error("{0}")]
     World(String),
@@ -71,6 +74,28 @@ fn meant<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
 /// # Errors
 /// [`CannotGenerate`] where the scenario is recorded or an effect does not fit.
 pub fn generate(scenario: &Scenario, settings: &[Setting], seed: Seed) -> Result<Dataset, CannotGenerate> {
+    with(scenario, settings, seed, None)
+}
+
+/// The same of a robot on wheels that is told what another was: `commands`, in order of time, from the first on.
+///
+/// # Errors
+/// As [`generate`]'s, and where the scenario's robot has no wheels that are told how fast to turn.
+pub fn replay(
+    scenario: &Scenario,
+    settings: &[Setting],
+    commands: Vec<Command>,
+    seed: Seed,
+) -> Result<Dataset, CannotGenerate> {
+    with(scenario, settings, seed, Some(commands))
+}
+
+fn with(
+    scenario: &Scenario,
+    settings: &[Setting],
+    seed: Seed,
+    commands: Option<Vec<Command>>,
+) -> Result<Dataset, CannotGenerate> {
     let Origin::Simulated(nominal) = &scenario.origin else {
         return Err(CannotGenerate::Recorded(scenario.name.clone()));
     };
@@ -83,12 +108,20 @@ pub fn generate(scenario: &Scenario, settings: &[Setting], seed: Seed) -> Result
     if !faults.is_empty() {
         return Err(CannotGenerate::Faults(faults));
     }
-    let mut dataset = simulation.dataset(seed).map_err(|error| CannotGenerate::World(error.to_string()))?;
+    if commands.is_some() && simulation.robot != Robot::Create {
+        return Err(CannotGenerate::NotOnWheels(scenario.name.clone()));
+    }
+    let told = commands.is_some();
+    let made = match commands {
+        Some(commands) => simulation.replayed(commands, seed),
+        None => simulation.dataset(seed),
+    };
+    let mut dataset = made.map_err(|error| CannotGenerate::World(error.to_string()))?;
     let mut known = (*dataset.log.known).clone();
     known.nominal = Some(scenario.name.clone());
     dataset.log.known = known.into();
-    // Of another program's engine a scenario knows nothing.
-    dataset.provenance = simulation.engine.is_none().then(|| scenario.provenance(seed));
+    // Of another program's engine a scenario knows nothing, nor of another log's commands.
+    dataset.provenance = (simulation.engine.is_none() && !told).then(|| scenario.provenance(seed));
     // A survey takes minutes: a data set has one where one of this very world, effects and all, is kept.
     let folders = ["results/reference", "results"].map(|results| repository().join(results).join(&scenario.name));
     if dataset.truth.survey.is_none() {

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use asami::blind::{Mix, Planting, withhold};
-use asami::generate::{Setting, generate};
+use asami::generate::{Setting, generate, replay};
 use asami::scenario::{Origin, Robot, Scenario};
 use asami::{scenario, verb};
-use asami_dataset::{Seed, store};
+use asami_dataset::{Command, Seed, store};
 use clap::Parser;
 
 /// Simulates one log of a scenario and writes it, with its truth, as a data set (format version 1).
@@ -25,6 +25,7 @@ use clap::Parser;
   generate scenarios/aibo_1d.toml --withhold --salt 1000 --cases 20 -o results/blind
   generate scenarios/aibo_1d.toml --withhold --salt 1000 --cases 20 -o results/foreign_aibo \\
       --engine 'python3 benches/peers/mujoco_engine.py'
+  generate results/gap/with_effect.toml --commands-of results/robot3 -o results/stand_in
   list effects        every effect with its parameters"
 )]
 struct Arguments {
@@ -52,6 +53,9 @@ struct Arguments {
     /// The log's length [default: the scenario's]
     #[arg(long, value_name = "S", value_parser = duration)]
     duration_s: Option<f64>,
+    /// Tells a robot on wheels what was told in this data set, for as long as commands are in it
+    #[arg(long, value_name = "DATASET", conflicts_with_all = ["withhold", "engine"])]
+    commands_of: Option<PathBuf>,
     /// Puts the Aibo into another program's physics engine, which is told and asked line by line (docs/engines.md)
     #[arg(long, value_name = "COMMAND")]
     engine: Option<String>,
@@ -66,7 +70,14 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     verb::main(|| {
         let mut scenario = scenario::read(&arguments.scenario)?;
-        if let (Origin::Simulated(simulation), Some(duration_s)) = (&mut scenario.origin, arguments.duration_s) {
+        let commands = match &arguments.commands_of {
+            Some(dir) => store::read(dir).map_err(verb::plain)?.log.commands.to_vec(),
+            None => Vec::new(),
+        };
+        let told_s = commands.first().zip(commands.last()).map(|(first, last)| (last.t_s - first.t_s).max(1.0));
+        if let (Origin::Simulated(simulation), Some(duration_s)) =
+            (&mut scenario.origin, arguments.duration_s.or(told_s))
+        {
             simulation.duration_s = duration_s;
         }
         if let Some(command) = &arguments.engine {
@@ -74,7 +85,7 @@ fn main() -> ExitCode {
         }
         match (&arguments.salt, arguments.cases) {
             (Some(salt), Some(cases)) => many(&scenario, salt, cases as usize, &arguments),
-            _ => one(&scenario, &arguments),
+            _ => one(&scenario, commands, &arguments),
         }
     })
 }
@@ -90,11 +101,15 @@ fn put_into(command: &str, scenario: &mut Scenario) -> Result<(), miette::Report
     }
 }
 
-fn one(scenario: &Scenario, arguments: &Arguments) -> Result<verb::Ending, miette::Report> {
+fn one(scenario: &Scenario, commands: Vec<Command>, arguments: &Arguments) -> Result<verb::Ending, miette::Report> {
     let seed = arguments.seed.unwrap_or(1);
     let beside = || PathBuf::from("results").join(format!("{}-seed-{seed}", scenario.name));
     let output = arguments.output.clone().unwrap_or_else(beside);
-    let dataset = generate(scenario, &arguments.effects, Seed(seed)).map_err(verb::plain)?;
+    let made = match arguments.commands_of {
+        Some(_) => replay(scenario, &arguments.effects, commands, Seed(seed)),
+        None => generate(scenario, &arguments.effects, Seed(seed)),
+    };
+    let dataset = made.map_err(verb::plain)?;
     store::write(&dataset, &output).map_err(verb::plain)?;
     let (sightings, frames) = (dataset.log.sightings.len(), dataset.log.frames.as_ref().map_or(0, |f| f.len()));
     eprintln!("{} commands, {frames} frames, {sightings} sightings", dataset.log.commands.len());

@@ -5,7 +5,7 @@ use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::{Cause, Estimate};
 use asami_gap::real::kin::Kin;
 
-use super::tables::{agreed, effects, failed, robot, said};
+use super::tables::{agreed, by_capture, effects, failed, robot, said};
 use super::walk::{Part, Record};
 use crate::diagnose::words;
 use crate::report::{Cell, RowKind, Table};
@@ -84,7 +84,7 @@ pub fn table(records: &[Record]) -> Table {
                 main.map_or_else(String::new, |(name, _)| name.to_owned()).into(),
                 shown(main.map(|(_, it)| it.value)),
                 interval.into(),
-                shown(main.and_then(|(name, _)| record.capture.get(name).copied())),
+                main.map_or_else(String::new, |(name, _)| by_capture(record, name)).into(),
             ],
         );
     }
@@ -115,6 +115,7 @@ mod tests {
             among: true,
             diagnosis: Some(Diagnosis { which: vec![named], ..nothing }),
             capture: BTreeMap::from([("turn_slowing.loss_s2".to_owned(), 2.8)]),
+            capture_errors: BTreeMap::from([("turn_slowing.loss_s2".to_owned(), 0.0456)]),
             shares: vec![("lag".to_owned(), 0.6), ("slowing".to_owned(), 0.5)],
             checked: None,
             error: String::new(),
@@ -141,7 +142,7 @@ mod tests {
     /// Of what is named the effect that capture says explains most: slowing, where no lag is named.
     #[test]
     fn each_robot_has_a_row_with_what_it_is_off_most_by() {
-        let (named, capture) = (&["turn_slowing"][..], "2.80");
+        let (named, capture) = (&["turn_slowing"][..], "2.80 ± 0.0456");
         let records = [Part::Whole, Part::FirstHalf, Part::SecondHalf].map(|part| record(4, part, named));
         let text = table(&records).markdown();
         let row = text.lines().last().unwrap();

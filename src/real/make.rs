@@ -187,6 +187,7 @@ mod tests {
             among: false,
             diagnosis: Some(Diagnosis { which: vec![named], ..Diagnosis::flat(&[]) }),
             capture: BTreeMap::from([("turn_slowing.loss_s2".to_owned(), 2.8)]),
+            capture_errors: BTreeMap::new(),
             shares: Vec::new(),
             checked: None,
             error: String::new(),

@@ -23,7 +23,7 @@ pub const TRIALS: &str = "scenario,log,robot,part,verdict,effects_named,probabil
                           excess_after,closed,closed_low,closed_high,halves_agree,main_of_motion,error,unsettled";
 
 /// Columns of `parameters.csv`.
-pub const PARAMETERS: &str = "scenario,log,robot,part,parameter,value,low,high,capture";
+pub const PARAMETERS: &str = "scenario,log,robot,part,parameter,value,low,high,capture,capture_error";
 
 /// Writes every file under `out`.
 ///
@@ -165,7 +165,7 @@ fn parameters(results: &Results, records: &[Record]) -> String {
             let [low, high] = estimate.interval;
             let mut row = head(results, record);
             row.extend([parameter.clone(), number(estimate.value), number(low), number(high)]);
-            row.push(optional(record.capture.get(parameter).copied()));
+            row.extend([&record.capture, &record.capture_errors].map(|of| optional(of.get(parameter).copied())));
             push(&mut text, &row);
         }
     }
@@ -184,6 +184,13 @@ fn timings(results: &Results) -> String {
 
 pub(super) fn robot(record: &Record) -> Cell {
     record.robot.map_or_else(Cell::default, |robot| Cell::number(f64::from(robot), 0))
+}
+
+/// What motion capture shows of a parameter, and how far off that may be; empty where it does not.
+pub(super) fn by_capture(record: &Record, parameter: &str) -> String {
+    let Some(value) = record.capture.get(parameter) else { return String::new() };
+    let error = record.capture_errors.get(parameter).map(|it| format!(" ± {}", words::digits(*it)));
+    format!("{}{}", words::size(parameter, *value), error.unwrap_or_default())
 }
 
 /// Whether halves agree.
@@ -260,7 +267,9 @@ fn held(records: &[Record]) -> Table {
          commands is one of turns, too, and a wheel base beside it what that leaves of them; a lag is on top of the nominal robot's own, a \
          scale of ranges beside a focal length what that leaves of it. Capture has a clock and a heading of its own: what a camera is late, or turned \
          against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing; what ranges and a scanner's \
-         angles are off is counted beside what they are late.",
+         angles are off is counted beside what they are late. What wheels do in proportion to what they are told is of stretches in which the same \
+         is told for long, where there are enough: what is told for less than a robot's own clock lasts as long as that has it. ±: standard \
+         errors, by leaving a tenth of the time out in turn.",
     );
     for record in records.iter().filter(|record| record.part == Part::Whole) {
         let Some(cause) = record.diagnosis.as_ref().and_then(said) else { continue };
@@ -282,7 +291,7 @@ fn held(records: &[Record]) -> Table {
                     words::unit(parameter).unwrap_or_default().into(),
                     words::size(parameter, estimate.value).into(),
                     format!("{} to {}", words::size(parameter, low), words::size(parameter, high)).into(),
-                    shown(record.capture.get(parameter).copied()),
+                    by_capture(record, parameter).into(),
                     shown(half(Part::FirstHalf)),
                     shown(half(Part::SecondHalf)),
                 ],

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::among::kin;
+use super::capture::errors::errors;
 use super::capture::steering::of_car;
 use super::capture::{Capture, capture};
 use super::kept::Kept;
@@ -85,6 +86,8 @@ pub struct Record {
     pub diagnosis: Option<Diagnosis>,
     /// What motion capture shows, by `NAME.PARAM`.
     pub capture: BTreeMap<String, f64>,
+    /// Standard errors of that.
+    pub capture_errors: BTreeMap<String, f64>,
     /// How much of what motion is off each discrepancy explains alone, by motion capture, the largest first.
     pub shares: Vec<(String, f64)>,
     /// Of a laser scanner: whether correcting its table makes its scans better.
@@ -289,20 +292,25 @@ impl Prepared<'_> {
             Err(panic) => (None, panic_message(&*panic)),
         };
         let took_s = began.elapsed().as_secs_f64();
-        // Truth comes in only now.
-        let (mut captured, checked) = if scans {
-            let lasers = found.as_ref().map_or(&[][..], |found| &found.lasers);
-            let on = scanner::on(part).of(&self.dataset.log);
-            (Capture::default(), scanner::checked(&on, lasers, &self.dataset.truth.track))
-        } else {
-            (self.captured(log), None)
-        };
         let named: Vec<&str> = found
             .iter()
             .filter_map(|it| said(&it.diagnosis))
             .flat_map(|it| it.effects.iter().map(String::as_str))
             .collect();
-        captured.suit(&named);
+        // Truth comes in only now.
+        let (captured, capture_errors, checked) = if scans {
+            let lasers = found.as_ref().map_or(&[][..], |found| &found.lasers);
+            let on = scanner::on(part).of(&self.dataset.log);
+            (Capture::default(), BTreeMap::new(), scanner::checked(&on, lasers, &self.dataset.truth.track))
+        } else {
+            let seen = self.seen(log);
+            let shown = |seen: &Dataset| {
+                let mut captured = self.captured(seen);
+                captured.suit(&named);
+                captured
+            };
+            (shown(&seen), errors(&seen, |part| shown(part).values), None)
+        };
         let Clocks { picture_period_s, command_cycle_s, .. } = self.clocks;
         Record {
             log: self.source.name.clone(),
@@ -315,6 +323,7 @@ impl Prepared<'_> {
                 ..diagnosis
             }),
             capture: captured.values,
+            capture_errors,
             shares: captured.shares.into_iter().map(|(name, share)| (name.to_owned(), share)).collect(),
             checked,
             error,
@@ -322,18 +331,23 @@ impl Prepared<'_> {
         }
     }
 
-    /// What motion capture shows of a log.
-    fn captured(&self, log: Log) -> Capture {
+    /// A part of the log, and the truth of that.
+    fn seen(&self, log: Log) -> Dataset {
         let (first_s, last_s) = log.span_s().unwrap_or_default();
         let mut seen = Dataset { log, ..self.dataset.clone() };
         seen.truth.track = seen.truth.track.window(&(first_s..last_s));
+        seen
+    }
+
+    /// What motion capture shows of a log.
+    fn captured(&self, seen: &Dataset) -> Capture {
         if let Some(car) = self.ready.held.simulation.car() {
-            return of_car(&seen, car);
+            return of_car(seen, car);
         }
         let own_lag_s = match &self.ready.held.simulation.drive {
             Policy::Roam(roams) => roams.create.wheels.lag_s,
             _ => 0.0,
         };
-        capture(&seen, own_lag_s)
+        capture(seen, own_lag_s)
     }
 }

@@ -9,6 +9,7 @@
 //! in which a robot does something else altogether (it is held up, or its own reflexes overrule what it is told) count for
 //! nothing. Nothing here is given to a diagnosis.
 
+pub mod errors;
 mod motion;
 mod sightings;
 mod steady;
