@@ -255,6 +255,43 @@ fn generated(dir: &Path, name: &str, arguments: &[&str]) -> Vec<(String, Vec<u8>
     files.iter().map(|path| (name(path), std::fs::read(path).unwrap())).collect()
 }
 
+/// A simulated Create that is told what another was told is told the same, and does what its own world has it do; others cannot be.
+#[test]
+fn commands_of_a_log_are_given_to_another_robot() {
+    let dir = tempfile::tempdir().unwrap();
+    let create = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/create.toml");
+    let path = |name: &str| dir.path().join(name);
+    let generate = |out: &Path, more: &[&str]| {
+        run(env!("CARGO_BIN_EXE_generate"), &[&[text(&create), "-o", text(out)], more].concat())
+    };
+    let first = generate(&path("first"), &["--seed", "7", "--duration-s", "20"]);
+    assert!(first.status.success(), "{}", said(&first));
+    let told = path("first");
+    for (name, more) in [("same", &[][..]), ("slow", &["--effect", "command_scale.y_ratio=0.8"])] {
+        let again = generate(&path(name), &[&["--seed", "7", "--commands-of", text(&told)], more].concat());
+        assert!(again.status.success(), "{}", said(&again));
+    }
+    let [first, same, slow] = ["first", "same", "slow"].map(|name| store::read(&path(name)).unwrap());
+    assert_eq!(slow.log.commands, first.log.commands);
+    let last = same.truth.track.len().min(first.truth.track.len());
+    assert_eq!(same.truth.track[..last], first.truth.track[..last]);
+    assert_ne!(slow.truth.track[..last], first.truth.track[..last]);
+    assert!(same.provenance.is_none(), "no scenario makes it again");
+    let walker = generated_refused(dir.path(), &["--commands-of", text(&told)]);
+    refused(&walker, "commands of another log are for robots on wheels");
+    refused(
+        &generate(&path("none"), &["--commands-of", text(&path("nowhere"))]),
+        "dataset.toml: the file must be there",
+    );
+}
+
+/// What `generate` says of the short scenario of an Aibo.
+fn generated_refused(dir: &Path, arguments: &[&str]) -> Output {
+    let (scenario, out) = (dir.join("short.toml"), dir.join("refused"));
+    std::fs::write(&scenario, SCENARIO).unwrap();
+    run(env!("CARGO_BIN_EXE_generate"), &[&[text(&scenario), "-o", text(&out)], arguments].concat())
+}
+
 #[test]
 fn a_scenario_gives_the_same_data_set_again_and_effects_leave_no_name_in_it() {
     let dir = tempfile::tempdir().unwrap();

@@ -8,7 +8,7 @@ use asami::blind::{Mix, Planting, withhold};
 use asami::generate::{Setting, generate, replay};
 use asami::scenario::{Origin, Robot, Scenario};
 use asami::{scenario, verb};
-use asami_dataset::{Command, Seed, store};
+use asami_dataset::{Command, Log, Seed, store};
 use clap::Parser;
 
 /// Simulates one log of a scenario and writes it, with its truth, as a data set (format version 1).
@@ -53,7 +53,7 @@ struct Arguments {
     /// The log's length [default: the scenario's]
     #[arg(long, value_name = "S", value_parser = duration)]
     duration_s: Option<f64>,
-    /// Tells a robot on wheels what was told in this data set, for as long as commands are in it
+    /// Tells a robot on wheels what was told in this data set, for as long as that lasts
     #[arg(long, value_name = "DATASET", conflicts_with_all = ["withhold", "engine"])]
     commands_of: Option<PathBuf>,
     /// Puts the Aibo into another program's physics engine, which is told and asked line by line (docs/engines.md)
@@ -70,11 +70,11 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     verb::main(|| {
         let mut scenario = scenario::read(&arguments.scenario)?;
-        let commands = match &arguments.commands_of {
-            Some(dir) => store::read(dir).map_err(verb::plain)?.log.commands.to_vec(),
-            None => Vec::new(),
-        };
-        let told_s = commands.first().zip(commands.last()).map(|(first, last)| (last.t_s - first.t_s).max(1.0));
+        let told = arguments.commands_of.as_ref().map(|dir| store::read(dir).map_err(verb::plain)).transpose()?;
+        let (commands, told_s) = told.map_or((Vec::new(), None), |it| (it.log.commands.to_vec(), length_s(&it.log)));
+        if let (Some(dir), true) = (&arguments.commands_of, commands.is_empty()) {
+            miette::bail!("{} has no commands", dir.display());
+        }
         if let (Origin::Simulated(simulation), Some(duration_s)) =
             (&mut scenario.origin, arguments.duration_s.or(told_s))
         {
@@ -88,6 +88,12 @@ fn main() -> ExitCode {
             _ => one(&scenario, commands, &arguments),
         }
     })
+}
+
+/// How long it lasts from its first command on.
+fn length_s(log: &Log) -> Option<f64> {
+    let (first, (_, end_s)) = (log.commands.first()?, log.span_s()?);
+    Some((end_s - first.t_s).max(1.0))
 }
 
 /// Has the scenario's robot move in another program's engine.
