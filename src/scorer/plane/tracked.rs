@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn what_is_misread_moves_no_mean() {
         let row = |i: u32| {
-            let distance_m = 2.0 + if i % 5 == 0 { 0.02 * f64::from(i % 7) } else { 0.0 };
+            let distance_m = 2.0 + if i.is_multiple_of(5) { 0.02 * f64::from(i % 7) } else { 0.0 };
             [distance_m, 1.02 * distance_m + 0.01 * (f64::from(i * 37 % 100) / 50.0 - 1.0), 0.0]
         };
         let all: Vec<[f64; 3]> = (0..200).map(row).collect();
