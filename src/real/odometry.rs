@@ -37,6 +37,12 @@ pub struct Clocks {
 }
 
 impl Readied {
+    /// The same without the robot's own clocks: what it was told, and saw, as it was dated.
+    #[must_use]
+    pub fn but_for_clocks(self) -> Self {
+        Self { camera_hz: None, command_cycle_s: None, ..self }
+    }
+
     /// The log so made, and what became of its clocks.
     #[must_use]
     pub fn of(self, log: &Log) -> (Log, Clocks) {
@@ -195,6 +201,7 @@ mod tests {
         };
         let few = |said: &String| said.contains("too few landmarks are seen in turns");
         assert!(left == given && said.len() == 2 && said.iter().all(few), "{said:?}");
+        assert_eq!(Readied { average_s: Some(0.5), ..clocks }.but_for_clocks().of(&given).0, averaged(&given, 0.5));
         assert_eq!(all.faults(), []);
         let wrong = Readied {
             average_s: Some(f64::NAN),

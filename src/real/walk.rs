@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use asami_dataset::{Dataset, Log};
+use asami_dataset::{Command, Dataset, Log};
 use asami_gap::real::kin::Kin;
 use asami_gap::real::scanner::Found;
 use asami_gap::{Diagnosis, Nominal};
@@ -129,6 +129,8 @@ struct Prepared<'a> {
     source: &'a Source,
     robot: Option<u16>,
     dataset: Dataset,
+    /// What it was told, whenever it took that up.
+    told: Vec<Command>,
     clocks: Clocks,
     ready: &'a Ready,
     /// Of log and truth.
@@ -147,17 +149,17 @@ pub fn run(
     options: &Options,
     (watcher, listener): (&dyn Watcher, &dyn Listener),
 ) -> Result<Results, miette::Report> {
-    let mut datasets: Vec<(&Source, Option<u16>, Dataset, Clocks)> = Vec::new();
+    let mut datasets: Vec<(&Source, Option<u16>, Imported)> = Vec::new();
     for source in &real.asked.logs {
         for robot in robots(source) {
-            let (dataset, clocks) = imported(source, robot, &place(source, data))?;
+            let imported = imported(source, robot, &place(source, data))?;
             let whose = robot.map_or_else(|| source.name.clone(), |robot| format!("{} {robot}", source.name));
-            clocks.said.iter().for_each(|said| listener.says(&format!("{whose}: {said}")));
-            datasets.push((source, robot, dataset, clocks));
+            imported.clocks.said.iter().for_each(|said| listener.says(&format!("{whose}: {said}")));
+            datasets.push((source, robot, imported));
         }
     }
     let mut worlds: BTreeMap<&str, Ready> = BTreeMap::new();
-    for (source, _, dataset, _) in &datasets {
+    for (source, _, Imported { dataset, .. }) in &datasets {
         if !worlds.contains_key(source.nominal.as_str()) {
             let asked = diagnose::Asked {
                 nominal: Some(PathBuf::from(&source.nominal)),
@@ -171,10 +173,10 @@ pub fn run(
     }
     let prepared: Vec<Prepared<'_>> = datasets
         .into_iter()
-        .map(|(source, robot, dataset, clocks)| {
+        .map(|(source, robot, Imported { dataset, told, clocks })| {
             let ready = &worlds[source.nominal.as_str()];
             let hash = blake3::hash(format!("{:?}\n{:?}", dataset.log, dataset.truth).as_bytes()).to_hex();
-            Prepared { source, robot, dataset, clocks, ready, hash: hash.to_string() }
+            Prepared { source, robot, dataset, told, clocks, ready, hash: hash.to_string() }
         })
         .collect();
     let logs: Vec<&str> = prepared.iter().map(|it| it.hash.as_str()).collect();
@@ -190,7 +192,7 @@ pub fn run(
         if let Some(learning) = real.asked.learning.as_ref().filter(|_| source.learned_in.is_some()) {
             let ready = &worlds[source.nominal.as_str()];
             let of = prepared.iter().filter(|it| it.source.name == source.name);
-            let told = of.map(|it| (it.robot, it.dataset.log.commands.to_vec())).collect();
+            let told = of.map(|it| (it.robot, it.told.clone())).collect();
             all.extend(lessons(learning, source, &place(source, data), &records, (ready, &told), options, listener)?);
         }
     }
@@ -206,7 +208,14 @@ fn robots(source: &Source) -> Vec<Option<u16>> {
     source.robots.as_ref().map_or(vec![None], |robots| robots.iter().copied().map(Some).collect())
 }
 
-fn imported(source: &Source, robot: Option<u16>, path: &Path) -> Result<(Dataset, Clocks), miette::Report> {
+/// A log, readied.
+struct Imported {
+    dataset: Dataset,
+    told: Vec<Command>,
+    clocks: Clocks,
+}
+
+fn imported(source: &Source, robot: Option<u16>, path: &Path) -> Result<Imported, miette::Report> {
     let importers = import::catalogue();
     let importer = importers.iter().find(|it| it.name == source.format);
     // The scenario's check has said so already.
@@ -214,8 +223,9 @@ fn imported(source: &Source, robot: Option<u16>, path: &Path) -> Result<(Dataset
     match importer.import(path, robot) {
         Ok(imported) => {
             let Dataset { log, truth, provenance } = imported.dataset;
+            let told = source.readied().but_for_clocks().of(&log).0.commands.to_vec();
             let (log, clocks) = source.readied().of(&log);
-            Ok((Dataset { log, truth, provenance }, clocks))
+            Ok(Imported { dataset: Dataset { log, truth, provenance }, told, clocks })
         }
         Err(error) if path.exists() => Err(miette::miette!("{error}")),
         Err(error) => Err(miette::miette!(help = "if it lies elsewhere: --only NAME --data DIR", "{error}")),
