@@ -11,7 +11,7 @@ const PARTS: usize = 10;
 /// 1993, eq. 11.5): truth and sightings of a tenth of the time are left out in turn, so that what errs together for less than that is not taken for
 /// many errors. None for what is not shown each time.
 #[must_use]
-pub fn errors(dataset: &Dataset, shown: impl Fn(&Dataset) -> BTreeMap<String, f64> + Sync) -> BTreeMap<String, f64> {
+pub fn errors(dataset: &Dataset, shown: impl Fn(&Dataset) -> BTreeMap<String, f64>) -> BTreeMap<String, f64> {
     let (Some(first), Some(last)) = (dataset.truth.track.first(), dataset.truth.track.last()) else {
         return BTreeMap::new();
     };

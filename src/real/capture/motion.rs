@@ -3,7 +3,7 @@
 use asami_dataset::{Action, Command, Dataset};
 use asami_math::statistics::median;
 
-use super::steady::Steady;
+use super::steady::Proportions;
 use super::{Capture, LEAST, OUTLIER, ROUNDS, Together, WINDOW_S, Window};
 use crate::real::commanded::Commanded;
 
@@ -136,11 +136,11 @@ fn least_squares_left<'a>(fits: impl Iterator<Item = &'a Left>) -> [f64; 2] {
     fits.fold([f64::INFINITY; 2], |least, it| [least[0].min(it.squares[0]), least[1].min(it.squares[1])])
 }
 
-/// Proportions are the steady ones, if there are any.
+/// What is done in proportion to what is told is `steady`, and that of all windows where there is none.
 pub(super) fn motion(
     dataset: &Dataset,
     windows: &mut [Window],
-    steady: Option<Steady>,
+    steady: Option<Proportions>,
     own_lag_s: f64,
     capture: &mut Capture,
 ) {
@@ -182,7 +182,7 @@ pub(super) fn motion(
         [&delayed, &lagged].map(|late| lags.best(windows, late, ALL, scale).map_or(Late::default(), |it| it.late));
     let of_all = || {
         let unscaled = lags.fit(windows, found.late, Free { scaled: false, ..ALL });
-        Steady {
+        Proportions {
             forward: found.forward,
             turn: found.turn,
             loss_s2: found.loss_s2,
@@ -190,7 +190,7 @@ pub(super) fn motion(
             bend_rad_per_m: found.bend_rad_per_m,
         }
     };
-    let Steady { forward, turn, loss_s2, unscaled_loss_s2, bend_rad_per_m } = steady.unwrap_or_else(of_all);
+    let Proportions { forward, turn, loss_s2, unscaled_loss_s2, bend_rad_per_m } = steady.unwrap_or_else(of_all);
     for (name, value) in [
         ("command_scale.y_ratio", forward),
         ("command_scale.theta_ratio", turn),

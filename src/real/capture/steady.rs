@@ -24,7 +24,7 @@ const LEAST_OFF: f64 = 1e-6;
 
 /// In proportion to what it is told.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Steady {
+pub(super) struct Proportions {
     /// Its speed.
     pub forward: f64,
     /// Its turning rate.
@@ -41,7 +41,7 @@ pub(super) struct Steady {
 type Stretch = (Window, [f64; 2], f64);
 
 /// `None` where too little is told for long.
-pub(super) fn steady(dataset: &Dataset, ahead_rad: f64) -> Option<Steady> {
+pub(super) fn steady(dataset: &Dataset, ahead_rad: f64) -> Option<Proportions> {
     let mut stretches = stretches(dataset);
     stretches.iter_mut().for_each(|it| it.0.look(ahead_rad));
     let turning = stretches.iter().filter(|(_, [_, omega], _)| omega.abs() > TURNS_RAD_PER_S).count();
@@ -53,7 +53,7 @@ pub(super) fn steady(dataset: &Dataset, ahead_rad: f64) -> Option<Steady> {
     let [_, unscaled] = fitted(&stretches, 0, &way, [false, true]);
     let turned = |it: &Stretch| [it.1[1] * it.2, it.0.moved(0)];
     let [turn, bend_rad_per_m] = fitted(&stretches, 1, &turned, [true, true]);
-    Some(Steady { forward, turn, loss_s2: -more / forward, unscaled_loss_s2: -unscaled, bend_rad_per_m })
+    Some(Proportions { forward, turn, loss_s2: -more / forward, unscaled_loss_s2: -unscaled, bend_rad_per_m })
 }
 
 /// Where the same has been told for long enough, until something else is.
