@@ -31,6 +31,10 @@ const SPEED_KNOTS: [f64; 4] = [0.0, 0.15, 0.4, 1.0];
 const HELD_AGES_S: [f64; 4] = [0.0, 0.37, 0.74, 1.11];
 /// A bearing seen longer ago is held no more, in seconds.
 const HELD_S: f64 = 1.0;
+/// Of a base on two wheels, so many columns are of its speed in turns: times the squared turning rate, and where it is told a slight turn.
+pub(crate) const OF_TURNS: usize = 2;
+/// Of turns up to this rate, in rad/s, but of none, it is said by [`asami_sim::effects::slight_turns`].
+const SLIGHT_RAD_PER_S: f64 = asami_sim::effects::slight_turns::SLIGHT_RAD_PER_S;
 /// Columns that grow with time in the log are in units of it.
 const WEAR_S: f64 = 100.0;
 
@@ -66,7 +70,7 @@ pub enum Group {
     Held,
     /// Growing with time in the log: velocities, velocities times speed, moving at all.
     Wear,
-    /// Of a base on two wheels, what lingers of the speed times the squared turning rate.
+    /// Of a base on two wheels, what lingers of its speed in turns.
     Turning,
 }
 
@@ -121,7 +125,8 @@ impl Columns {
         let varying = self.greatest.iter().filter(|greatest| **greatest > 0.0).count();
         match group {
             Group::Curve if self.ids.is_empty() => {
-                varying * self.knots + varying * varying.saturating_sub(1) / 2 + usize::from(self.rolls())
+                let in_turns = if self.rolls() { OF_TURNS } else { 0 };
+                varying * self.knots + varying * varying.saturating_sub(1) / 2 + in_turns
             }
             Group::Curve => self.ids.len(),
             Group::Lingering => 3 * (AGES_S.len() - 1),
@@ -129,7 +134,7 @@ impl Columns {
             Group::Held if self.heading => 0,
             Group::Held => SPEED_KNOTS.len() * (HELD_AGES_S.len() - 1),
             Group::Wear => 7,
-            Group::Turning if self.rolls() => AGES_S.len() - 1,
+            Group::Turning if self.rolls() => OF_TURNS * (AGES_S.len() - 1),
             Group::Turning => 0,
         }
     }
@@ -147,10 +152,11 @@ impl Columns {
         self.ids.is_empty() && self.greatest[0] == 0.0 && self.greatest[1..].iter().all(|it| *it > 0.0)
     }
 
-    /// Of a base on two wheels, the curve's column that is the speed times the squared turning rate.
+    /// Of a base on two wheels, the curve's columns that are its speed in turns: times the squared turning rate, and in slight ones.
     #[must_use]
-    pub fn in_turns(&self) -> Option<usize> {
-        self.rolls().then(|| self.range(Group::Curve).end - 1)
+    pub fn in_turns(&self) -> Option<std::ops::Range<usize>> {
+        let end = self.range(Group::Curve).end;
+        self.rolls().then(|| end - OF_TURNS..end)
     }
 
     /// The curve as coarsely as effects bend it: what each of its parts is made of, columns with their shares.
@@ -223,8 +229,7 @@ impl Columns {
         row[self.range(Group::Curve)].copy_from_slice(&scratch);
         let middle_s = 0.5 * (from_s + to_s);
         let (lingering, turning) = (self.range(Group::Lingering).start, self.range(Group::Turning));
-        let in_turn = |curve: &[f64]| curve.last().copied().unwrap_or(0.0);
-        let in_turn_now = in_turn(&scratch);
+        let in_turns: Vec<f64> = scratch.iter().rev().take(OF_TURNS).rev().copied().collect();
         for (age, ages_s) in AGES_S.windows(2).enumerate() {
             // A turn of wheels may be over between the middles of two steps; legs are looked at more often.
             let earlier = if self.rolls() {
@@ -236,8 +241,9 @@ impl Columns {
             for ((column, then), now) in row[lingering + 3 * age..].iter_mut().zip(then).zip(velocity) {
                 *column = then - now;
             }
-            if let Some(column) = row[turning.clone()].get_mut(age) {
-                *column = in_turn(&scratch) - in_turn_now;
+            let then = &scratch[scratch.len().saturating_sub(OF_TURNS)..];
+            for ((column, then), now) in row[turning.clone()].iter_mut().skip(OF_TURNS * age).zip(then).zip(&in_turns) {
+                *column = then - now;
             }
         }
         let heading = self.range(Group::Heading).start;
@@ -312,10 +318,11 @@ impl Columns {
         for ((i, j), column) in pairs.zip(&mut columns[varying.len() * self.knots..]) {
             *column += share * varying[i] * varying[j];
         }
-        if self.rolls()
-            && let Some(column) = columns.last_mut()
-        {
-            *column += share * u[1] * u[2] * u[2];
+        if self.rolls() {
+            let slight = u[2] != 0.0 && u[2].abs() * self.greatest[2] <= SLIGHT_RAD_PER_S;
+            let of_turns = [u[1] * u[2] * u[2], if slight { u[1] } else { 0.0 }];
+            let start = columns.len() - OF_TURNS;
+            columns[start..].iter_mut().zip(of_turns).for_each(|(column, of)| *column += share * of);
         }
     }
 }

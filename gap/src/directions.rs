@@ -71,7 +71,7 @@ impl Making<'_> {
             let bend = |i: usize| 0.2 * self.numbers[i] * (self.numbers[i].abs() / greatest.max(1e-9));
             let bends: Vec<_> = of.map(|i| (i, bend(i))).collect();
             self.push(bends);
-            if let Some(column) = self.shape.columns.in_turns() {
+            for column in self.shape.columns.in_turns().into_iter().flatten() {
                 self.push([(axis * self.shape.columns.len() + column, 0.3 * greatest)]);
             }
             if self.shape.columns.heading {

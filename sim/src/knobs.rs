@@ -88,13 +88,22 @@ pub struct WheelKnobs {
     pub lag_s: f64,
     /// Share of the forward speed that is lost in a turn of 1 rad/s, and with the square of the rate.
     pub turn_loss_s2: f64,
+    /// Share by which they go forward faster where a slight turn is told.
+    pub slight_gain: f64,
     /// Their tyres turn at multiples of this speed; at any where it is 0.
     pub step_m_per_s: f64,
 }
 
 impl Default for WheelKnobs {
     fn default() -> Self {
-        Self { radius_ratio: [1.0; 2], base_ratio: 1.0, lag_s: 0.0, turn_loss_s2: 0.0, step_m_per_s: 0.0 }
+        Self {
+            radius_ratio: [1.0; 2],
+            base_ratio: 1.0,
+            lag_s: 0.0,
+            turn_loss_s2: 0.0,
+            slight_gain: 0.0,
+            step_m_per_s: 0.0,
+        }
     }
 }
 

@@ -4,24 +4,27 @@ fn forward(t_s: f64, ay_m_per_s: f64) -> Command {
     Command { t_s, action: Action::Legs { id: None, ax_m_per_s: 0.0, ay_m_per_s, atheta_rad_per_s: 0.0 } }
 }
 
-/// What a base on two wheels loses in turns is a column's; hats add up beside it.
+/// What a base on two wheels loses in turns is a column's, and what it gains in slight ones another's; hats add up beside them.
 #[test]
-fn a_speed_in_a_turn_has_a_column_of_its_own() {
+fn a_speed_in_a_turn_has_columns_of_its_own() {
     let wheels = |v_m_per_s: f64, omega_rad_per_s: f64| Command {
         t_s: 0.0,
         action: Action::Wheels { id: None, v_m_per_s, omega_rad_per_s },
     };
     let columns = Columns::new([wheels(0.2, 0.0), wheels(0.0, 0.5)].iter(), 3);
-    let last = columns.in_turns().unwrap();
-    let lost = |v: f64, omega: f64| {
+    let in_turns = columns.in_turns().unwrap();
+    let of = |k: usize, v: f64, omega: f64| {
         let mut row = vec![0.0; columns.len()];
         columns.fill(&[wheels(v, omega)], 3.0, 3.05, &[], &mut row);
-        row[last]
+        row[in_turns.start + k]
     };
+    let (lost, slight) = (|v, omega| of(0, v, omega), |v, omega| of(1, v, omega));
     assert!((lost(0.1, 0.25) - 0.125).abs() < 1e-12 && (lost(0.1, -0.25) - 0.125).abs() < 1e-12);
     assert_eq!([lost(0.2, 0.0), lost(0.0, 0.5)], [0.0; 2]);
+    assert!((slight(0.1, 0.002) - 0.5).abs() < 1e-12 && (slight(0.1, -0.09) - 0.5).abs() < 1e-12);
+    assert_eq!([slight(0.2, 0.0), slight(0.1, 0.2), slight(0.0, 0.05)], [0.0; 3]);
     assert_eq!(Columns::new([forward(0.0, 0.3)].iter(), 1).in_turns(), None);
-    assert_eq!(columns.bends().last().unwrap(), &vec![(last, 1.0)]);
+    assert_eq!(columns.bends().last().unwrap(), &vec![(in_turns.end - 1, 1.0)]);
 }
 
 #[test]

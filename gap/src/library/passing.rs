@@ -5,21 +5,22 @@
 //! lingers is linear in velocities at their ages, so that one effect passes through another by putting these operators one after
 //! another: beside both changes there is their product. Gaits, which answer from stride to stride, are no such operators.
 
+use std::ops::Range;
 use std::sync::LazyLock;
 
-use crate::columns::{Columns, Group, below};
+use crate::columns::{Columns, Group, OF_TURNS, below};
 
-/// What velocities come from: each axis's nominal one, and the speed times the squared turning rate.
-const SOURCES: usize = 4;
-const IN_TURN: usize = 3;
+/// What velocities come from: each axis's nominal one, and the speed in turns.
+const SOURCES: usize = IN_TURNS + OF_TURNS;
+const IN_TURNS: usize = 3;
 
 /// How effects pass through one another in a world of wheels.
 pub struct Passing<'a> {
     columns: &'a Columns,
     /// Greatest nominal velocities, by axis.
     greatest: [f64; 3],
-    /// The column that is the speed times the squared turning rate.
-    in_turns: usize,
+    /// The columns that are the speed in turns.
+    in_turns: Range<usize>,
 }
 
 /// Shares of what is delayed by two ages one after another, by the age that both are together.
@@ -53,7 +54,7 @@ impl<'a> Passing<'a> {
     fn at(&self, axis: usize, age: usize, source: usize) -> usize {
         let of_axis = axis * self.columns.len();
         match source {
-            IN_TURN => of_axis + self.columns.range(Group::Turning).start + age,
+            IN_TURNS.. => of_axis + self.columns.range(Group::Turning).start + OF_TURNS * age + source - IN_TURNS,
             _ => of_axis + self.columns.range(Group::Lingering).start + 3 * age + source,
         }
     }
@@ -80,14 +81,16 @@ impl<'a> Passing<'a> {
                     let of = self.axes().fold(0.0, |sum, source| sum + sources[source] * scaled[source]);
                     numbers[of_axis + i] += 0.5 * share * of;
                 }
-                numbers[of_axis + self.last()] += share * sources[IN_TURN];
+                for (number, source) in numbers[of_axis + self.last()..].iter_mut().zip(&sources[IN_TURNS..]) {
+                    *number += share * source;
+                }
             }
         }
     }
 
-    /// Of the columns of a curve that which is the speed times the squared turning rate.
+    /// Of the columns of a curve the first that is the speed in turns, after all others.
     fn last(&self) -> usize {
-        self.in_turns - self.columns.range(Group::Curve).start
+        self.in_turns.start - self.columns.range(Group::Curve).start
     }
 
     /// What `curved` changes of velocities, as late as `lingering` is.
@@ -118,7 +121,7 @@ impl<'a> Passing<'a> {
                 within.fold((0.0, 0.0), |(product, square), i| (product + curve[i] * of(&i), square + of(&i) * of(&i)));
             sources[source] = product / f64::max(square, 1e-12);
         }
-        sources[IN_TURN] = curve[last];
+        sources[IN_TURNS..].copy_from_slice(&curve[last..]);
         sources
     }
 
@@ -126,7 +129,7 @@ impl<'a> Passing<'a> {
     fn later(&self, then: &[f64], first: &[f64], numbers: &mut [f64]) {
         let ages = Self::ages();
         for from in self.axes() {
-            for source in self.axes().chain([IN_TURN]) {
+            for source in self.axes().chain(IN_TURNS..SOURCES) {
                 let lets: Vec<f64> =
                     (0..ages).map(|age| first[self.at(from, age, source)] / self.greatest[from]).collect();
                 for axis in self.axes() {
@@ -183,7 +186,7 @@ mod tests {
         let columns = Columns::new(commands().iter(), 3);
         let width = columns.len();
         let (curve, mut base) = (columns.range(Group::Curve), vec![0.0; 3 * width]);
-        let knots = (curve.len() - 2) / 2;
+        let knots = (curve.len() - 1 - OF_TURNS) / 2;
         for knot in 0..knots {
             let u = 2.0 * knot as f64 / (knots - 1) as f64 - 1.0;
             base[width + curve.start + knot] = 0.2 * u;
@@ -229,7 +232,7 @@ mod tests {
         // Of ages from 0.2 to 0.3 s.
         let delay = late(&passing, &[(4, 1.0)]);
         let mut loss = vec![0.0; base.len()];
-        loss[FORWARD * columns.len() + passing.in_turns] = -0.08;
+        loss[FORWARD * columns.len() + passing.in_turns.start] = -0.08;
         let slow = plus(&base, &loss);
         let both = plus(&slow, &delay);
         let mut passed = both.clone();
@@ -258,7 +261,7 @@ mod tests {
         let passing = Passing::new(&columns, &base).unwrap();
         let of_forward = columns.len()..2 * columns.len();
         let mut loss = vec![0.0; base.len()];
-        loss[of_forward.start + passing.in_turns] = -0.08;
+        loss[of_forward.start + passing.in_turns.start] = -0.08;
         let scaled: Vec<f64> = base.iter().map(|number| 0.25 * number).collect();
         let slow = plus(&base, &loss);
         let truth: Vec<f64> = slow.iter().map(|number| 1.25 * number).collect();

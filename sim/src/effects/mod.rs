@@ -39,6 +39,7 @@ pub mod rolling_resistance;
 pub mod servo_latency;
 pub mod servo_speed_limit;
 pub mod short_leg;
+pub mod slight_turns;
 pub mod slope;
 pub mod speed_steps;
 pub mod spin_rate_error;
@@ -131,6 +132,7 @@ effects! {
     weak_leg => WeakLeg,
     battery_sag => BatterySag,
     ground_friction => GroundFriction,
+    slight_turns => SlightTurns,
     slope => Slope,
     speed_steps => SpeedSteps,
     turn_slowing => TurnSlowing,

@@ -117,6 +117,18 @@ fn a_wider_base_turns_less() {
     assert!((forward - 0.3).abs() < 3e-3 && turn.abs() < 2e-3, "{forward} {turn}");
 }
 
+/// Told the slightest turn the robot goes faster, and turns as it is told; straight on, on the spot and in sharp turns it does what it does.
+#[test]
+fn a_robot_told_a_slight_turn_is_quicker() {
+    let quick = effects(&[("slight_turns", "gain_share", 0.1)]);
+    for (told, made) in [([0.3, 0.0], 0.3), ([0.3, 0.005], 0.33), ([0.3, -0.09], 0.33), ([0.3, 0.2], 0.3)] {
+        let [_, forward, turn] = velocity(&drive(&exact(), &quick, told, 8.0));
+        assert!((forward - made).abs() < 3e-3 && (turn - told[1]).abs() < 3e-3, "{told:?}: {forward} {turn}");
+    }
+    let [_, forward, turn] = velocity(&drive(&exact(), &quick, [0.0, 0.05], 8.0));
+    assert!(forward.abs() < 1e-3 && (turn - 0.05).abs() < 3e-3, "{forward} {turn}");
+}
+
 /// Curves tighten: the way round is shorter, and the turn is whole. On the spot and straight on nothing is lost; at worst all is.
 #[test]
 fn a_robot_that_slows_down_in_turns_drives_tighter_circles() {
