@@ -35,6 +35,8 @@ const HELD_S: f64 = 1.0;
 pub(crate) const OF_TURNS: usize = 2;
 /// Of turns up to this rate, in rad/s, but of none, it is said by [`asami_sim::effects::slight_turns`].
 const SLIGHT_RAD_PER_S: f64 = asami_sim::effects::slight_turns::SLIGHT_RAD_PER_S;
+/// And in these axes it may start late: forwards and about itself.
+const STARTED: [usize; 2] = [1, 2];
 /// Columns that grow with time in the log are in units of it.
 const WEAR_S: f64 = 100.0;
 
@@ -72,11 +74,14 @@ pub enum Group {
     Wear,
     /// Of a base on two wheels, what lingers of its speed in turns.
     Turning,
+    /// Of a base on two wheels, its speed and its turning rate where it stood before, by age.
+    Starting,
 }
 
 impl Group {
     /// All of them, in order.
-    pub const ALL: [Self; 6] = [Self::Curve, Self::Lingering, Self::Heading, Self::Held, Self::Wear, Self::Turning];
+    pub const ALL: [Self; 7] =
+        [Self::Curve, Self::Lingering, Self::Heading, Self::Held, Self::Wear, Self::Turning, Self::Starting];
 }
 
 impl Columns {
@@ -135,7 +140,8 @@ impl Columns {
             Group::Held => SPEED_KNOTS.len() * (HELD_AGES_S.len() - 1),
             Group::Wear => 7,
             Group::Turning if self.rolls() => OF_TURNS * (AGES_S.len() - 1),
-            Group::Turning => 0,
+            Group::Starting if self.rolls() => STARTED.len() * (AGES_S.len() - 1),
+            Group::Turning | Group::Starting => 0,
         }
     }
 
@@ -157,6 +163,12 @@ impl Columns {
     pub fn in_turns(&self) -> Option<std::ops::Range<usize>> {
         let end = self.range(Group::Curve).end;
         self.rolls().then(|| end - OF_TURNS..end)
+    }
+
+    /// Of a base on two wheels, its axes and the columns that are their velocities where it stood so long ago.
+    pub fn started(&self, age: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let columns = self.range(Group::Starting).skip(STARTED.len() * age);
+        STARTED.into_iter().zip(columns)
     }
 
     /// The curve as coarsely as effects bend it: what each of its parts is made of, columns with their shares.
@@ -189,7 +201,7 @@ impl Columns {
     /// How many columns there are.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.range(Group::Turning).end
+        self.range(Group::Starting).end
     }
 
     /// Whether nothing is ever commanded.
@@ -229,6 +241,7 @@ impl Columns {
         row[self.range(Group::Curve)].copy_from_slice(&scratch);
         let middle_s = 0.5 * (from_s + to_s);
         let (lingering, turning) = (self.range(Group::Lingering).start, self.range(Group::Turning));
+        let starting = self.range(Group::Starting);
         let in_turns: Vec<f64> = scratch.iter().rev().take(OF_TURNS).rev().copied().collect();
         for (age, ages_s) in AGES_S.windows(2).enumerate() {
             // A turn of wheels may be over between the middles of two steps; legs are looked at more often.
@@ -244,6 +257,14 @@ impl Columns {
             let then = &scratch[scratch.len().saturating_sub(OF_TURNS)..];
             for ((column, then), now) in row[turning.clone()].iter_mut().skip(OF_TURNS * age).zip(then).zip(&in_turns) {
                 *column = then - now;
+            }
+            if self.rolls() {
+                let mut stood = 0.0;
+                earlier
+                    .each(commands, |share, action| stood += if attempt(action).1 == [0.0; 3] { share } else { 0.0 });
+                for (column, axis) in row[starting.clone()].iter_mut().skip(STARTED.len() * age).zip(STARTED) {
+                    *column = stood * velocity[axis];
+                }
             }
         }
         let heading = self.range(Group::Heading).start;

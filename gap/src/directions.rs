@@ -90,6 +90,8 @@ impl Making<'_> {
                 .map(|axis| (self.motion(axis, Group::Lingering).start + 3 * age + axis, 0.3 * self.greatest(axis)))
                 .collect();
             self.push(changes);
+            let starts = self.starts(age);
+            self.push(starts);
         }
         for axis in 0..3 {
             let held: Vec<_> = self.motion(axis, Group::Held).map(|i| (i, 0.3 * self.numbers[i])).collect();
@@ -98,6 +100,13 @@ impl Making<'_> {
         let bearing = self.shape.range(Numbers::Bearing).start;
         self.push([(bearing + 3, 0.05)]);
         self.push([(bearing + 4, 0.05 * self.greatest(2))]);
+    }
+
+    /// Of a base on wheels, how much slower it is than it is told where it stood so long ago.
+    fn starts(&self, age: usize) -> Vec<(usize, f64)> {
+        let started = self.shape.columns.started(age);
+        let of = |(axis, column)| (axis * self.shape.columns.len() + column, -0.3 * self.greatest(axis));
+        started.map(of).collect()
     }
 
     /// Each axis's velocity, growing with time.

@@ -21,7 +21,8 @@ pub fn channels(shape: &Shape) -> Vec<Channel> {
         noise: (0..SPEEDS).map(|class| noise + 3 * class + axis).collect(),
     };
     let all = |group: Numbers| shape.range(group).collect::<Vec<_>>();
-    let lingering = (0..3).flat_map(|axis| motion(axis, &[Group::Lingering, Group::Turning])).collect();
+    let lingering =
+        (0..3).flat_map(|axis| motion(axis, &[Group::Lingering, Group::Turning, Group::Starting])).collect();
     vec![
         axis("forward", 1),
         axis("sideways", 0),

@@ -27,6 +27,33 @@ fn a_speed_in_a_turn_has_columns_of_its_own() {
     assert_eq!(columns.bends().last().unwrap(), &vec![(in_turns.end - 1, 1.0)]);
 }
 
+/// Where a base on wheels stood, its velocities now have columns of their own, by how long ago that was; where it did not they have none.
+#[test]
+fn a_start_has_columns_by_when_it_stood() {
+    let wheels = |t_s: f64, v_m_per_s: f64, omega_rad_per_s: f64| Command {
+        t_s,
+        action: Action::Wheels { id: None, v_m_per_s, omega_rad_per_s },
+    };
+    let commands = [wheels(0.0, 0.2, 0.0), wheels(2.0, 0.0, 0.0), wheels(3.0, 0.1, -0.5), wheels(9.0, 0.2, 0.0)];
+    let columns = Columns::new(commands.iter(), 3);
+    let of = |t_s: f64, age: usize| {
+        let mut row = vec![0.0; columns.len()];
+        columns.fill(&commands, t_s, t_s + 1e-6, &[], &mut row);
+        columns.started(age).map(|(axis, column)| (axis, row[column])).collect::<Vec<_>>()
+    };
+    // 0.12 s after the start it stood 0.15 s ago and more; from 0.1 to 0.15 s ago for three fifths of the time.
+    let near = |found: Vec<(usize, f64)>, share: f64| {
+        let [(1, v), (2, omega)] = found[..] else { panic!("{found:?}") };
+        assert!((v - 0.5 * share).abs() < 1e-4 && (omega + share).abs() < 1e-4, "{v} {omega} {share}");
+    };
+    for (age, share) in [(0, 0.0), (1, 0.0), (2, 0.6), (3, 1.0), (6, 1.0)] {
+        near(of(3.12, age), share);
+    }
+    assert!((0..8).all(|age| of(6.0, age).iter().all(|it| it.1 == 0.0)), "it stood long ago");
+    assert!((0..8).all(|age| of(2.5, age).iter().all(|it| it.1 == 0.0)), "it stands");
+    assert_eq!(Columns::new([forward(0.0, 0.3)].iter(), 1).started(0).count(), 0);
+}
+
 #[test]
 fn a_steady_command_leaves_nothing_lingering_and_hats_add_up_to_one() {
     let commands = [forward(0.0, 0.3), forward(5.0, -0.15)];

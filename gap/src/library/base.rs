@@ -155,7 +155,8 @@ impl Base {
     fn distrusted(&self) -> impl Iterator<Item = usize> {
         let columns = &self.shape.columns;
         let n = columns.len();
-        let of_sway = [Group::Lingering, Group::Held, Group::Turning].map(|group| columns.range(group));
+        let of_sway =
+            [Group::Lingering, Group::Held, Group::Turning, Group::Starting].map(|group| columns.range(group));
         let moved =
             of_sway.into_iter().flat_map(move |of| (0..3).flat_map(move |axis| axis * n + of.start..axis * n + of.end));
         let sensed = [Numbers::MotionNoise, Numbers::Size, Numbers::Bearing, Numbers::SizeNoise, Numbers::BearingNoise];

@@ -33,6 +33,9 @@ const LONGEST: f64 = 1.0;
 /// Precision of a prior that leaves a size which changes nothing where it is.
 const NEXT_TO_NOTHING: f64 = 1e-3;
 
+/// By this only what follows a rest comes late: a log tells that apart from a delay of all commands, and from a lag.
+const STARTS: &str = "late_start";
+
 /// Effects are thought of again at most so often.
 const PASSES: usize = 2;
 
@@ -89,7 +92,8 @@ impl Least {
 
     /// Whether it is one of two ways in which commands come late, of which one is enough.
     pub(super) fn one_of_two(&self, variant: &Variant) -> bool {
-        self.late_once && variant.place() == Place::Actuation && variant.block() == Block::Timing
+        let all_alike = variant.about.name != STARTS;
+        self.late_once && all_alike && variant.place() == Place::Actuation && variant.block() == Block::Timing
     }
 
     /// What effects are worth that are named together: how likely they make a log, less what each name takes.

@@ -23,6 +23,7 @@ pub mod image_delay;
 pub mod joint_backlash;
 pub mod landmark_moved;
 pub mod laser_origin_offsets;
+pub mod late_start;
 pub mod lens_distortion;
 pub mod missed_sightings;
 pub mod motor_weakness;
@@ -124,6 +125,7 @@ impl std::fmt::Debug for Effects {
 effects! {
     command_cycle => CommandCycle,
     command_delay => CommandDelay,
+    late_start => LateStart,
     command_scale => CommandScale,
     servo_speed_limit => ServoSpeedLimit,
     servo_latency => ServoLatency,

@@ -24,6 +24,16 @@ impl Drive for NowAndThen {
     }
 }
 
+/// Straight on, but for so long of a rest after four seconds.
+struct StandsOnce(f64);
+
+impl Drive for StandsOnce {
+    fn act(&mut self, t_s: f64, _seen: &Seen) -> Action {
+        let stands = (4.0..4.0 + self.0 - 1e-6).contains(&(t_s + 1e-6));
+        Action::Wheels { id: None, v_m_per_s: if stands { 0.0 } else { 0.2 }, omega_rad_per_s: 0.0 }
+    }
+}
+
 /// Without chance.
 fn exact() -> CreateConfig {
     let mut config = CreateConfig::default();
@@ -115,6 +125,19 @@ fn a_wider_base_turns_less() {
     assert!((turn - 0.5 / 1.1).abs() < 0.01, "{turn}");
     let [_, forward, turn] = velocity(&drive(&exact(), &wide, [0.3, 0.0], 8.0));
     assert!((forward - 0.3).abs() < 3e-3 && turn.abs() < 2e-3, "{forward} {turn}");
+}
+
+/// After a rest the robot starts later by as long as it is said to, but by no more than it was told to stand.
+#[test]
+fn a_robot_that_starts_late_gets_less_far() {
+    let way_m = |stands_s: f64, start_s: f64| {
+        let late = effects(&[("late_start", "start_s", start_s)]);
+        drive_by(&exact(), &late, &mut StandsOnce(stands_s), 8.0).truth.track.last().unwrap().y_m
+    };
+    for (stands_s, start_s, later_s) in [(1.0, 0.1, 0.1), (1.0, 0.3, 0.3), (0.1, 0.3, 0.1)] {
+        let lost_m = way_m(stands_s, 0.0) - way_m(stands_s, start_s);
+        assert!((lost_m - 0.2 * later_s).abs() < 5e-3, "{stands_s} {start_s}: {lost_m}");
+    }
 }
 
 /// Told the slightest turn the robot goes faster, and turns as it is told; straight on, on the spot and in sharp turns it does what it does.
