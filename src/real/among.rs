@@ -11,7 +11,7 @@ use crate::diagnose::words;
 use crate::report::{Cell, RowKind, Table};
 
 /// So many robots are a make.
-const LEAST: usize = 3;
+pub(super) const LEAST: usize = 3;
 
 /// What the whole logs of the other robots of a recording say; `None` where they are no make.
 #[must_use]

@@ -8,7 +8,7 @@
 use asami_dataset::{Action, Channel, Command, Frame, Log};
 
 use super::clock::dated;
-use super::cycle::taken_up;
+use super::cycle::{taken_up, taken_up_like_others};
 
 /// What is made of a real log before it is diagnosed: in this order, where it is said.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,6 +46,12 @@ impl Readied {
     /// The log so made, and what became of its clocks.
     #[must_use]
     pub fn of(self, log: &Log) -> (Log, Clocks) {
+        self.of_make(log, None)
+    }
+
+    /// The same of a robot of a make of which others' logs tell how long a cycle is, whatever its own does.
+    #[must_use]
+    pub fn of_make(self, log: &Log, cycle_of_others_s: Option<f64>) -> (Log, Clocks) {
         let (mut made, mut clocks) = (log.clone(), Clocks::default());
         if let Some(over_s) = self.average_s {
             made = averaged(&made, over_s);
@@ -59,7 +65,8 @@ impl Readied {
             clocks.said.push(told.said);
         }
         if let Some(about_s) = self.command_cycle_s {
-            let told = taken_up(&made, about_s);
+            let like_others = cycle_of_others_s.and_then(|of_others_s| taken_up_like_others(&made, of_others_s));
+            let told = like_others.unwrap_or_else(|| taken_up(&made, about_s));
             (made, clocks.command_cycle_s) = (told.log, told.period_s);
             clocks.said.push(told.said);
         }

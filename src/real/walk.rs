@@ -10,10 +10,11 @@ use asami_dataset::{Command, Dataset, Log};
 use asami_gap::real::kin::Kin;
 use asami_gap::real::scanner::Found;
 use asami_gap::{Diagnosis, Nominal};
+use asami_math::statistics::median;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::among::kin;
+use super::among::{LEAST, kin};
 use super::capture::errors::errors;
 use super::capture::steering::of_car;
 use super::capture::{Capture, capture};
@@ -152,10 +153,12 @@ pub fn run(
     let mut datasets: Vec<(&Source, Option<u16>, Imported)> = Vec::new();
     for source in &real.asked.logs {
         for robot in robots(source) {
-            let imported = imported(source, robot, &place(source, data))?;
+            datasets.push((source, robot, imported(source, robot, &place(source, data))?));
+        }
+        like_others(source, &mut datasets);
+        for (_, robot, imported) in datasets.iter().filter(|it| it.0.name == source.name) {
             let whose = robot.map_or_else(|| source.name.clone(), |robot| format!("{} {robot}", source.name));
             imported.clocks.said.iter().for_each(|said| listener.says(&format!("{whose}: {said}")));
-            datasets.push((source, robot, imported));
         }
     }
     let mut worlds: BTreeMap<&str, Ready> = BTreeMap::new();
@@ -173,7 +176,7 @@ pub fn run(
     }
     let prepared: Vec<Prepared<'_>> = datasets
         .into_iter()
-        .map(|(source, robot, Imported { dataset, told, clocks })| {
+        .map(|(source, robot, Imported { dataset, told, clocks, .. })| {
             let ready = &worlds[source.nominal.as_str()];
             let hash = blake3::hash(format!("{:?}\n{:?}", dataset.log, dataset.truth).as_bytes()).to_hex();
             Prepared { source, robot, dataset, told, clocks, ready, hash: hash.to_string() }
@@ -210,6 +213,8 @@ fn robots(source: &Source) -> Vec<Option<u16>> {
 
 /// A log, readied.
 struct Imported {
+    /// As it was.
+    given: Log,
     dataset: Dataset,
     told: Vec<Command>,
     clocks: Clocks,
@@ -222,13 +227,26 @@ fn imported(source: &Source, robot: Option<u16>, path: &Path) -> Result<Imported
     let importer = importer.ok_or_else(|| miette::miette!("unknown format {}", source.format))?;
     match importer.import(path, robot) {
         Ok(imported) => {
-            let Dataset { log, truth, provenance } = imported.dataset;
-            let told = source.readied().but_for_clocks().of(&log).0.commands.to_vec();
-            let (log, clocks) = source.readied().of(&log);
-            Ok(Imported { dataset: Dataset { log, truth, provenance }, told, clocks })
+            let Dataset { log: given, truth, provenance } = imported.dataset;
+            let told = source.readied().but_for_clocks().of(&given).0.commands.to_vec();
+            let (log, clocks) = source.readied().of(&given);
+            Ok(Imported { given, dataset: Dataset { log, truth, provenance }, told, clocks })
         }
         Err(error) if path.exists() => Err(miette::miette!("{error}")),
         Err(error) => Err(miette::miette!(help = "if it lies elsewhere: --only NAME --data DIR", "{error}")),
+    }
+}
+
+/// Has a robot whose own log does not tell how long its cycle is take commands up in cycles as long as those of others of its make, where three
+/// and more tell theirs and its log tells when such are.
+fn like_others(source: &Source, datasets: &mut [(&Source, Option<u16>, Imported)]) {
+    let of_make = || datasets.iter().filter(|it| it.0.name == source.name);
+    let told_s: Vec<f64> = of_make().filter_map(|it| it.2.clocks.command_cycle_s).collect();
+    let Some(of_others_s) = median(&told_s).filter(|_| told_s.len() >= LEAST) else { return };
+    for (_, _, imported) in datasets.iter_mut().filter(|it| it.0.name == source.name) {
+        if imported.clocks.command_cycle_s.is_none() {
+            (imported.dataset.log, imported.clocks) = source.readied().of_make(&imported.given, Some(of_others_s));
+        }
     }
 }
 

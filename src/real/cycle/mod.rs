@@ -27,6 +27,8 @@ const OFFS: [f64; 6] = [0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
 const OFF: f64 = 0.1;
 const APART: f64 = 0.01;
 const FINELY_APART: f64 = 0.001;
+/// Cycles of robots of one make part by no more than this share.
+const OTHERS_OFF: f64 = 0.02;
 /// Lengths that are this share off the likeliest, and not twice as far from what is said as that may be, show what any cycle makes of
 /// the log.
 const BESIDE: f64 = 0.05;
@@ -71,23 +73,40 @@ impl Heard {
     /// Whether the log tells it from a delay and a lag, and from cycles of another length.
     #[must_use]
     pub fn is_told(&self) -> bool {
-        self.nats >= self.by_chance_nats.max(0.0) + LEAST_NATS
+        self.is_told_of_others() && self.nats >= self.by_chance_nats + LEAST_NATS
     }
+
+    /// Whether it tells it from a delay and a lag. Where others of its make say how long the cycle is, it need not say that again.
+    #[must_use]
+    pub fn is_told_of_others(&self) -> bool {
+        self.nats >= LEAST_NATS
+    }
+
+    /// The log so, and the same in words.
+    fn told(&self, log: &Log, whose: &str) -> Told {
+        let Self { cycle: Cycle { period_s, wanders, .. }, nats, by_chance_nats, .. } = self;
+        let said = format!(
+            "commands are taken up once in {period_s:.4} s{whose}, give or take {:.4} s: each is given as it was, as far as bearings tell \
+             ({nats:.0} nats over any delay and lag, cycles of another length {by_chance_nats:.0})",
+            period_s * wanders
+        );
+        Told { log: self.taken_up(log), period_s: Some(*period_s), said }
+    }
+}
+
+/// The same of a robot whose own log does not tell how long a cycle is, where others of its make have it be so long; `None` where it does not
+/// tell that either.
+#[must_use]
+pub fn taken_up_like_others(log: &Log, of_others_s: f64) -> Option<Told> {
+    let heard = heard_within(log, of_others_s, OTHERS_OFF).filter(Heard::is_told_of_others)?;
+    Some(heard.told(log, ", as long as others of its make take"))
 }
 
 /// The log with its wheels' commands as they were taken up, where it tells when those in cycles of about this length were.
 #[must_use]
 pub fn taken_up(log: &Log, about_s: f64) -> Told {
     match heard(log, about_s) {
-        Some(heard) if heard.is_told() => {
-            let Heard { cycle: Cycle { period_s, wanders, .. }, nats, by_chance_nats, .. } = &heard;
-            let said = format!(
-                "commands are taken up once in {period_s:.4} s, give or take {:.4} s: each is given as it was, as far as bearings tell \
-                 ({nats:.0} nats over any delay and lag, cycles of another length {by_chance_nats:.0})",
-                period_s * wanders
-            );
-            Told { log: heard.taken_up(log), period_s: Some(heard.cycle.period_s), said }
-        }
+        Some(heard) if heard.is_told() => heard.told(log, ""),
         heard => {
             let why = heard.map_or_else(
                 || "too few landmarks are seen in turns".to_owned(),
@@ -110,6 +129,11 @@ pub fn taken_up(log: &Log, about_s: f64) -> Told {
 /// are seen in turns.
 #[must_use]
 pub fn heard(log: &Log, about_s: f64) -> Option<Heard> {
+    heard_within(log, about_s, OFF)
+}
+
+/// The same, by no more than a share of another length.
+fn heard_within(log: &Log, about_s: f64, within: f64) -> Option<Heard> {
     if !log.commands.iter().all(|it| matches!(it.action, Action::Wheels { .. })) {
         return None;
     }
@@ -117,7 +141,7 @@ pub fn heard(log: &Log, about_s: f64) -> Option<Heard> {
     let none = evidence.by_delay_and_lag();
     let mut cycle =
         Cycle { period_s: about_s, late_s: 0.1, turns: 1.0, wanders: WANDERS[1], off_rad: evidence.straight_rad };
-    for (off, apart) in [(OFF, APART), (APART, FINELY_APART)] {
+    for (off, apart) in [(within, APART), (APART, FINELY_APART)] {
         let late = spaced(0.0, MOST_LATE_S, LATE_APART_S).map(|late_s| Cycle { late_s, ..cycle });
         cycle = evidence.likeliest(late.collect()).1;
         let offs = OFFS.map(|off| Cycle { off_rad: off * evidence.straight_rad, ..cycle });

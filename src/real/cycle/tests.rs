@@ -97,6 +97,24 @@ fn what_is_no_cycle_is_not_taken_for_one() {
     assert_eq!(heard(&Log::default(), 0.2), None);
 }
 
+/// A log that is too short to tell how long a cycle is tells when those are that others of its make have; one of wheels that lag does not.
+#[test]
+fn others_of_its_make_say_how_long_a_cycle_is() {
+    let (whole, _) = log(true, 1);
+    let short = (3..20).map(|n| whole.window(0.0..30.0 * f64::from(n))).find(|it| {
+        let own = heard(it, 0.2);
+        own.is_some_and(|own| !own.is_told() && own.is_told_of_others())
+    });
+    let short = short.unwrap();
+    assert_eq!(taken_up(&short, 0.2).period_s, None);
+    let told = taken_up_like_others(&short, PERIOD_S).unwrap();
+    let period_s = told.period_s.unwrap();
+    assert!((period_s / PERIOD_S - 1.0).abs() < 0.03 && told.log != short, "{period_s}");
+    for seed in 2..6 {
+        assert_eq!(taken_up_like_others(&log(false, seed).0, PERIOD_S).map(|it| it.said), None);
+    }
+}
+
 /// Whatever is probable is in force for its share of the time; nothing is given twice, and times increase.
 #[test]
 fn what_is_probable_is_in_force_for_its_share() {
