@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 
 use super::progress::Listener;
 use super::rehearsed::Rehearsed;
-use crate::scenario::{Robot, Simulation};
+use crate::scenario::{Policy, Robot, Simulation};
 
 /// The hash of the code by which responses of robots among landmarks are learned.
 const LEARNS: &str = env!("ASAMI_LEARNS");
@@ -86,6 +86,7 @@ impl Shelf<'_> {
     /// # Errors
     /// [`CannotShelve`] where the world cannot be played, shows nothing, or a file cannot be written.
     pub fn library(&self, name: &str, nominal: &Simulation, variants: &[Variant]) -> Result<Shelved, CannotShelve> {
+        let nominal = &resting(nominal);
         let folder = self.folder.join(format!("{name}-{}", self.key(nominal)?));
         let places = variants.par_iter().with_max_len(1).map(|variant| {
             Ok((variant, folder.join(format!("{}-{}.json", variant.about.name, effect_key(nominal, variant)?))))
@@ -154,6 +155,19 @@ impl Shelf<'_> {
         let numbers = serde_json::to_string(&(learns, &self.budget, &world)).unwrap_or_default();
         Ok(hash(&format!("{numbers}\n{}", probe(nominal, &[])?)))
     }
+}
+
+/// Of the commands of a wheeled robot so many are to stand, where what effects change is learned: what they do to its starts shows in
+/// logs of robots that rest, whether or not the nominal one does.
+const RESTS: f64 = 0.15;
+
+/// The nominal world, whose robot rests now and then if it is on wheels.
+fn resting(nominal: &Simulation) -> Simulation {
+    let mut resting = nominal.clone();
+    if let Policy::Roam(roams) = &mut resting.drive {
+        roams.roaming.rests = roams.roaming.rests.max(RESTS);
+    }
+    resting
 }
 
 /// The hash of all that the response to an effect hangs on beside the nominal one.

@@ -28,6 +28,8 @@ fn main<'a>(record: &Record, cause: &'a Cause) -> Option<(&'static str, &'a Esti
     let brings_about = |(name, _): &(String, f64)| match name.as_str() {
         "scale" => Some("command_scale.y_ratio"),
         "slowing" => Some("turn_slowing.loss_s2"),
+        "slight turns" => Some("slight_turns.gain_share"),
+        "late start" => Some("late_start.start_s"),
         "bend" => Some("unequal_wheels.ratio"),
         "delay" => Some("command_delay.delay_s"),
         "lag" => Some("wheel_lag.lag_s"),

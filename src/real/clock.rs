@@ -189,7 +189,7 @@ fn pairs(log: &Log, lag_s: f64) -> Option<(Vec<Aged>, f64)> {
             continue;
         }
         let aside_rad = pair.aside_rad([was.v_m_per_s, is.v_m_per_s]);
-        let [_, turned_rad, _] = turning.over(at_s[0], at_s[1] - at_s[0]);
+        let [_, turned_rad, ..] = turning.over(at_s[0], at_s[1] - at_s[0]);
         let off_rad = pair.turned_rad() + turned_rad - aside_rad;
         let others = [
             turned_rad,
@@ -237,7 +237,8 @@ struct Moment {
 impl Moment {
     fn at(turning: &Commanded, t_s: f64) -> Self {
         let rates = |from_s: f64| turning.over(from_s, STEP_S).map(|it| it / STEP_S);
-        let ([v_m_per_s, omega_rad_per_s, _], [_, before, _]) = (rates(t_s - 0.5 * STEP_S), rates(t_s - 1.5 * STEP_S));
+        let ([v_m_per_s, omega_rad_per_s, ..], [_, before, ..]) =
+            (rates(t_s - 0.5 * STEP_S), rates(t_s - 1.5 * STEP_S));
         Self { v_m_per_s, omega_rad_per_s, alpha_rad_per_s2: (omega_rad_per_s - before) / STEP_S }
     }
 }

@@ -22,8 +22,10 @@ asami_dataset::parameters! {
         straight: f64 = 0.3, "1", 0.0..=1.0;
         /// Greatest turning rate while it drives, as a share of that on the spot.
         in_arcs: f64 = 1.0, "1", 0.0..=1.0;
-        /// Share of the commands that turn on the spot, or stand.
+        /// Share of the commands that turn on the spot.
         on_the_spot: f64 = 0.2, "1", 0.0..=1.0;
+        /// Share of the commands to stand still.
+        rests: f64 = 0.0, "1", 0.0..=1.0;
         /// Extent of the arena along world x, about the origin.
         arena_x_m: f64 = 8.0, "m", 0.5..=1000.0;
         /// Extent of the arena along world y, about the origin.
@@ -73,11 +75,12 @@ impl Roam {
 
     /// Draws a command and how long it is held.
     fn draw(&mut self) -> (f64, Action) {
-        let Roaming { least_hold_s, most_hold_s, most_m_per_s, most_rad_per_s, straight, in_arcs, on_the_spot, .. } =
-            self.roaming;
+        let Roaming { least_hold_s, most_hold_s, most_m_per_s, most_rad_per_s, .. } = self.roaming;
+        let Roaming { straight, in_arcs, on_the_spot, rests, .. } = self.roaming;
         let [hold, kind, speed, turn] = std::array::from_fn(|_| self.rng.random::<f64>());
         let (v, omega) = (most_m_per_s * speed, most_rad_per_s * (2.0 * turn - 1.0));
         let action = match kind {
+            kind if kind > 1.0 - rests => wheels(0.0, 0.0),
             _ if self.roaming.on_a_rail() => wheels(most_m_per_s * (2.0 * speed - 1.0), 0.0),
             kind if kind < straight => wheels(v, 0.0),
             kind if kind < straight + on_the_spot => wheels(0.0, omega),
@@ -126,6 +129,18 @@ mod tests {
     use asami_dataset::Seed;
 
     use super::*;
+
+    /// As many commands as asked for are to stand still, on a rail as well.
+    #[test]
+    fn a_robot_that_is_to_rest_does() {
+        for most_rad_per_s in [0.0, 0.6] {
+            let mut roam =
+                Roam::new(Roaming { rests: 0.2, most_rad_per_s, ..Roaming::default() }, Seed(3).stream("roam"));
+            let stands = (0..2000).filter(|_| roam.draw().1 == wheels(0.0, 0.0)).count();
+            // Four standard deviations of a count of 2000 with a chance of a fifth.
+            assert!(stands.abs_diff(400) < 72, "{stands}");
+        }
+    }
 
     /// Arcs are as wide as asked for, turns on the spot as quick as any.
     #[test]

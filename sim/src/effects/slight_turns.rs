@@ -6,6 +6,12 @@ use crate::knobs::Knobs;
 /// Sharper turns are none of these, in rad/s.
 pub const SLIGHT_RAD_PER_S: f64 = 0.1;
 
+/// Whether a turning rate is that of a slight turn, and of a turn at all.
+#[must_use]
+pub fn is_slight(omega_rad_per_s: f64) -> bool {
+    omega_rad_per_s != 0.0 && omega_rad_per_s.abs() <= SLIGHT_RAD_PER_S
+}
+
 effect! {
     /// Wheels that know whole steps of speed take the nearest to go straight on. Told the slightest turn, one of the two takes the step above
     /// that, and the robot goes forward by half a step more: in the mean of slight turns to both sides it is quicker than it is told, and than

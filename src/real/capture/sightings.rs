@@ -6,10 +6,10 @@ use asami_dataset::truth::pose_at;
 use asami_dataset::{Dataset, Sighting, Size};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, cos, hypot, sin_cos, tan};
-use asami_math::regression::least_squares;
 use asami_math::statistics::median;
 
-use super::{Capture, LEAST, OUTLIER, ROUNDS, Together};
+use super::robust::{Row, fitted, fitted_by};
+use super::{Capture, LEAST, Together};
 
 /// Rates are taken over so long to both sides.
 const RATES_S: f64 = 0.1;
@@ -20,17 +20,12 @@ const SCANNER_RAD: f64 = FRAC_PI_2;
 
 /// Ranges scatter the more the farther: each of so many classes of distance by itself.
 const CLASSES: usize = 10;
-/// What is usual is no less than this, in metres or radians.
-const LEAST_OFF: f64 = 1e-9;
 
 const FOCAL: &str = "focal_error";
 const LENS: &str = "lens_distortion";
 const SCALE: &str = "range_scale";
 const ECCENTRICITY: &str = "encoder_eccentricity";
 const SPREAD: &str = "bearing_scale.ratio";
-
-/// What is to be explained, and by what.
-type Row<const N: usize> = ([f64; N], f64);
 
 /// A sighting beside where the landmark was; how fast that changed, for capture has a clock of its own.
 struct Seen {
@@ -151,31 +146,6 @@ fn image(all: &[Seen], range_ratio: f64, capture: &mut Capture) {
     ]);
 }
 
-/// Least squares of those rows that are not of something else, and which these are; `None` where they leave something open.
-fn fitted<const N: usize>(rows: &[Row<N>]) -> Option<([f64; N], Vec<bool>)> {
-    fitted_by(rows, &vec![0; rows.len()])
-}
-
-/// The same where those of each class scatter by themselves, and count the less the more they do.
-fn fitted_by<const N: usize>(rows: &[Row<N>], class: &[usize]) -> Option<([f64; N], Vec<bool>)> {
-    let mut usual = vec![1.0; class.iter().max().map_or(0, |last| last + 1)];
-    let mut kept = vec![true; rows.len()];
-    let mut found = [0.0; N];
-    for _ in 0..ROUNDS {
-        let weighed = |(i, (x, y)): (usize, &Row<N>)| (x.map(|x| x / usual[class[i]]).to_vec(), y / usual[class[i]]);
-        let fit = least_squares(N, rows.iter().enumerate().filter(|(i, _)| kept[*i]).map(weighed)).solve();
-        found = fit.filter(|fit| fit.rank == N)?.coefficients.try_into().ok()?;
-        let off = |row: &Row<N>| (row.1 - row.0.iter().zip(found).fold(0.0, |sum, (x, k)| sum + k * x)).abs();
-        let off: Vec<f64> = rows.iter().map(off).collect();
-        for (k, usual) in usual.iter_mut().enumerate() {
-            let of_class: Vec<f64> = off.iter().zip(class).filter(|(_, of)| **of == k).map(|it| *it.0).collect();
-            *usual = median(&of_class).unwrap_or(0.0).max(LEAST_OFF);
-        }
-        kept = off.iter().zip(class).map(|(off, class)| *off <= OUTLIER * usual[*class]).collect();
-    }
-    Some((found, kept))
-}
-
 /// As many of the nearest as of those that are next, and so on.
 fn classes(all: &[Seen]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..all.len()).collect();
@@ -188,6 +158,7 @@ fn classes(all: &[Seen]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use asami_dataset::Seed;
+    use asami_math::regression::least_squares;
     use rand::RngExt;
     use rand_distr::StandardNormal;
 

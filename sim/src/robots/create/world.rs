@@ -14,7 +14,7 @@ use super::config::CreateConfig;
 use super::sight::Lasting;
 use crate::effect::{CommandStage, Glance, SightingStage, Stage};
 use crate::effects::Effects;
-use crate::effects::slight_turns::SLIGHT_RAD_PER_S;
+use crate::effects::slight_turns::is_slight;
 use crate::knobs::{EyeKnobs, GroundKnobs, Knobs};
 use crate::robots::actuator::{Actuator, Late};
 use crate::robots::past::Past;
@@ -139,8 +139,7 @@ impl CreateWorld {
         let Action::Wheels { v_m_per_s, omega_rad_per_s, .. } = action else { return [0.0; 2] };
         let [_, of_speed, of_turning] = knobs.command.scale;
         let aside = 0.5 * self.blueprint.base_m() * omega_rad_per_s * of_turning;
-        let slight = omega_rad_per_s != 0.0 && omega_rad_per_s.abs() <= SLIGHT_RAD_PER_S;
-        let of_speed = of_speed * if slight { 1.0 + knobs.wheels.slight_gain } else { 1.0 };
+        let of_speed = of_speed * if is_slight(omega_rad_per_s) { 1.0 + knobs.wheels.slight_gain } else { 1.0 };
         let of_speed = of_speed * (1.0 - knobs.wheels.turn_loss_s2 * omega_rad_per_s * omega_rad_per_s).max(0.0);
         let most_m_per_s = self.config.wheels.most_m_per_s * knobs.motors.speed_ratio;
         let step_m_per_s = knobs.wheels.step_m_per_s;
