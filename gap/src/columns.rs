@@ -11,6 +11,7 @@ use std::collections::BTreeSet;
 
 use asami_dataset::{Action, Command};
 use asami_math::elementary::hypot;
+use asami_sim::effects::slight_turns::is_slight;
 use serde::{Deserialize, Serialize};
 
 use times::Times;
@@ -33,8 +34,6 @@ const HELD_AGES_S: [f64; 4] = [0.0, 0.37, 0.74, 1.11];
 const HELD_S: f64 = 1.0;
 /// Of a base on two wheels, so many columns are of its speed in turns: times the squared turning rate, and where it is told a slight turn.
 pub(crate) const OF_TURNS: usize = 2;
-/// Of turns up to this rate, in rad/s, but of none, it is said by [`asami_sim::effects::slight_turns`].
-const SLIGHT_RAD_PER_S: f64 = asami_sim::effects::slight_turns::SLIGHT_RAD_PER_S;
 /// And in these axes it may start late: forwards and about itself.
 const STARTED: [usize; 2] = [1, 2];
 /// Columns that grow with time in the log are in units of it.
@@ -154,7 +153,7 @@ impl Columns {
 
     /// Whether any forward speed and turning rate may be commanded, and nothing sideways: a base on two wheels, whose speed in a
     /// turn is of neither alone.
-    fn rolls(&self) -> bool {
+    pub(crate) fn rolls(&self) -> bool {
         self.ids.is_empty() && self.greatest[0] == 0.0 && self.greatest[1..].iter().all(|it| *it > 0.0)
     }
 
@@ -340,8 +339,7 @@ impl Columns {
             *column += share * varying[i] * varying[j];
         }
         if self.rolls() {
-            let slight = u[2] != 0.0 && u[2].abs() * self.greatest[2] <= SLIGHT_RAD_PER_S;
-            let of_turns = [u[1] * u[2] * u[2], if slight { u[1] } else { 0.0 }];
+            let of_turns = [u[1] * u[2] * u[2], if is_slight(u[2] * self.greatest[2]) { u[1] } else { 0.0 }];
             let start = columns.len() - OF_TURNS;
             columns[start..].iter_mut().zip(of_turns).for_each(|(column, of)| *column += share * of);
         }

@@ -9,6 +9,8 @@ use crate::columns::{Attempt, Columns};
 
 /// Classes of attempted speed, each with motion noise of its own: standing, slow, fast.
 pub const SPEEDS: usize = 3;
+/// The first of them.
+pub const STANDING: usize = 0;
 /// After those classes comes what is added while commands change, for as much as they do.
 pub const CHANGING: usize = SPEEDS;
 /// Attempts from this share of the greatest on are fast.

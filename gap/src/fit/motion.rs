@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::{Free, Run, dot};
 use crate::columns::{Columns, Group};
-use crate::shape::{CHANGING, Numbers, SPEEDS, Shape, speed_class};
+use crate::shape::{CHANGING, Numbers, SPEEDS, STANDING, Shape, speed_class};
 use crate::shrink::{Sums, ridged, shrunk, stands_out};
 use crate::view::Step;
 
@@ -185,7 +185,9 @@ fn variances(shape: &Shape, numbers: &[f64]) -> impl Fn(&Step) -> [f64; 3] {
 /// Variances in one second, from what is left of the displacements in blocks. Of those that `numbers` say already, `known`
 /// ones, only what stands out of chance is changed.
 pub fn noise(shape: &Shape, runs: &[Run], known: bool, numbers: &mut [f64]) {
-    let blocks: Vec<Left> = runs.iter().flat_map(|run| left(shape, run, numbers)).collect();
+    let mut blocks: Vec<Left> = runs.iter().flat_map(|run| left(shape, run, numbers)).collect();
+    // Wheels in Rapier stand still, where others still roll when they are told to stand: standing takes after the rest.
+    blocks.retain(|it| it.class != STANDING || !shape.columns.rolls());
     let at = shape.range(Numbers::MotionNoise).start;
     let (steady, changing): (Vec<&Left>, Vec<&Left>) = blocks.iter().partition(|it| it.changed_s < STEADY * it.time_s);
     let time_s = |of: &[&Left]| of.iter().map(|it| it.time_s).sum::<f64>();

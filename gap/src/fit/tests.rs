@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::{as_fine_as_shown, motion_alone, nominal, shape};
 use crate::columns::Group;
 use crate::rhythm::Rhythm;
-use crate::shape::{CHANGING, Numbers, Shape};
+use crate::shape::{CHANGING, Numbers, STANDING, Shape};
 
 const FRAME_S: f64 = 0.05;
 const HOLD_S: f64 = 3.0;
@@ -121,4 +121,33 @@ fn noise_while_commands_change_is_told_from_noise_that_is_always_there() {
     let (steady, changing) = (forward(2), forward(CHANGING));
     assert!((steady / STEADY_M2 - 1.0).abs() < 0.35, "{steady}");
     assert!((changing / CHANGING_M2 - 1.0).abs() < 0.35, "{changing}");
+}
+
+/// A robot on legs that stands scatters as little as it does; how much one on wheels does that still rolls, a nominal one does not show.
+#[test]
+fn wheels_that_stand_take_after_those_that_go() {
+    let rests = |seed: u64| {
+        answering(seed, &[0.3, 0.3, 0.0, 0.0, -0.1, -0.1, 0.0, 0.0, 0.2, 0.2, 0.0, 0.0], |now, _, _| {
+            (now, if now == 0.0 { 1e-3 * STEADY_M2 } else { STEADY_M2 })
+        })
+    };
+    let rolling = |mut run: Dataset| {
+        let wheels = |(i, command): (usize, &Command)| {
+            let Action::Legs { ay_m_per_s: v_m_per_s, .. } = command.action else { panic!("it has legs") };
+            let omega_rad_per_s = if v_m_per_s == 0.0 { 0.0 } else { 0.2 * ((i / 4 % 3) as f64 - 1.0) };
+            Command { action: Action::Wheels { id: None, v_m_per_s, omega_rad_per_s }, ..*command }
+        };
+        run.log.commands = run.log.commands.iter().enumerate().map(wheels).collect::<Vec<_>>().into();
+        run
+    };
+    let standing = |runs: Vec<Dataset>| {
+        let plain = shape(&runs).expect("a landmark is seen");
+        let shape = Shape { columns: plain.columns.knowing(&motion_alone(&plain, &runs)), ..plain };
+        let numbers = nominal(&shape, &Rhythm::default(), &runs);
+        exp(numbers[shape.range(Numbers::MotionNoise).start + 3 * STANDING + 1])
+    };
+    let legs = standing((0..4).map(rests).collect());
+    let wheels = standing((0..4).map(rests).map(rolling).collect());
+    assert!(legs < 0.1 * STEADY_M2, "{legs}");
+    assert!((wheels / STEADY_M2 - 1.0).abs() < 0.35, "{wheels}");
 }

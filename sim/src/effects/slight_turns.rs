@@ -9,7 +9,8 @@ pub const SLIGHT_RAD_PER_S: f64 = 0.1;
 /// Whether a turning rate is that of a slight turn, and of a turn at all.
 #[must_use]
 pub fn is_slight(omega_rad_per_s: f64) -> bool {
-    omega_rad_per_s != 0.0 && omega_rad_per_s.abs() <= SLIGHT_RAD_PER_S
+    // Rounding aside.
+    omega_rad_per_s != 0.0 && omega_rad_per_s.abs() - SLIGHT_RAD_PER_S < 1e-9
 }
 
 effect! {
