@@ -14,7 +14,7 @@ use crate::judge::Judge;
 use crate::memory::Memory;
 use crate::nominal::{CannotPlay, Nominal};
 use crate::rhythm::Rhythm;
-use crate::shape::{Numbers, Shape};
+use crate::shape::{Numbers, STANDING, Shape};
 use crate::sighted::Sighted;
 use crate::tails::Tails;
 use crate::touch::Touch;
@@ -63,7 +63,7 @@ impl Base {
     /// every effect would change what the noise of its own few runs happens to be, and the more of them are named, the more of that would be
     /// there. Gaits soon part ways.
     fn alike(&self, runs: &[Dataset]) -> Vec<f64> {
-        let rolls = self.shape.columns.in_turns().is_some();
+        let rolls = self.shape.columns.rolls();
         if rolls { fit::nominal(&self.shape, &self.rhythm, runs) } else { self.fitted.clone() }
     }
 
@@ -80,7 +80,8 @@ impl Base {
             (base.numbers, base.memory) = base.swaying(runs);
         }
         (base.memory.spread, base.memory.tails) = base.scatter(runs);
-        base.numbers = base.polished(&base.numbers, runs, &POLISHED_BLOCKS, &|_| true);
+        let held = base.of_standing_wheels();
+        base.numbers = base.polished(&base.numbers, runs, &POLISHED_BLOCKS, &|i| !held.contains(&i));
         if !base.memory.sways() {
             // None seen in nominal runs is no proof that there are none: the least share that was counted stays.
             let of_false = base.shape.range(Numbers::False);
@@ -93,6 +94,12 @@ impl Base {
             base.numbers = base.polished(&base.numbers, runs, &POLISHED_BLOCKS, &|_| true);
         }
         Some(base)
+    }
+
+    /// How noisy wheels are that stand: in Rapier not at all, so that likelihoods would have what still rolls be lost.
+    fn of_standing_wheels(&self) -> std::ops::Range<usize> {
+        let start = self.shape.range(Numbers::MotionNoise).start + 3 * STANDING;
+        start..start + if self.shape.columns.rolls() { 3 } else { 0 }
     }
 
     /// How sightings sway at each pace, and how noisy motion is beside it.
