@@ -29,7 +29,6 @@ fn main<'a>(record: &Record, cause: &'a Cause) -> Option<(&'static str, &'a Esti
         "scale" => Some("command_scale.y_ratio"),
         "slowing" => Some("turn_slowing.loss_s2"),
         "slight turns" => Some("slight_turns.gain_share"),
-        "late start" => Some("late_start.start_s"),
         "bend" => Some("unequal_wheels.ratio"),
         "delay" => Some("command_delay.delay_s"),
         "lag" => Some("wheel_lag.lag_s"),

@@ -223,7 +223,7 @@ fn logs(records: &[Record]) -> Table {
          does not settle which of these it is. Closed: the share of the gap, on held-out blocks, \
          that they close; unknown: the share that remains, and the flexible block that it shows in. By motion capture, or of a car by \
          inertial navigation: the discrepancy of motion that by itself explains most (scale of speeds, slowing in turns, speed won in slight \
-         ones, bend of straight lines, delay, lag, late starts; offset, ratio and lag of a steering), and its share. \
+         ones, bend of straight lines, delay, lag; offset, ratio and lag of a steering), and its share. \
          Halves agree that have the same verdict and the same most evident effect.",
     );
     for record in records.iter().filter(|record| record.part == Part::Whole) {
@@ -265,7 +265,7 @@ fn held(records: &[Record]) -> Table {
         "Motion capture's numbers are of all discrepancies together, but where of a delay and a lag, or of a focal length and a lens, \
          one is named that one alone, and where no scale of commands is named, what is lost in turns is of a robot without one; a scale of \
          commands is one of turns, too, and a wheel base beside it what that leaves of them; a lag is on top of the nominal robot's own, a \
-         scale of ranges beside a focal length what that leaves of it, a delay or a lag beside late starts what those do. Capture has a clock and a heading of its own: what a camera is late, or turned \
+         scale of ranges beside a focal length what that leaves of it. Capture has a clock and a heading of its own: what a camera is late, or turned \
          against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing; what ranges and a scanner's \
          angles are off is counted beside what they are late. What wheels do in proportion to what they are told is of stretches in which the same \
          is told for long, any slight turns for one, where there are enough: what is told for less than a robot's own clock lasts as long as that has it. ±: standard \

@@ -7,11 +7,11 @@ use super::{WINDOW_S, Window};
 use crate::real::commanded::Commanded;
 
 /// Delays and lags that are tried.
-pub(super) const MOST_LATE_S: f64 = 0.8;
+const MOST_LATE_S: f64 = 0.8;
 /// So far apart.
-pub(super) const FINE_S: f64 = 0.01;
+const FINE_S: f64 = 0.01;
 /// Where both are free, neither is longer, and they are so far apart.
-pub(super) const MOST_BOTH_S: f64 = 0.4;
+const MOST_BOTH_S: f64 = 0.4;
 const COARSE_S: f64 = 0.02;
 
 /// How commands come to act: so long after they were given, and through a lag of this time constant.
@@ -59,7 +59,7 @@ impl Lags {
 }
 
 /// What a delay, commands behind a lag and what is free leave of windows.
-pub(super) fn fit(commanded: &Commanded, windows: &[Window], late: Late, free: Free) -> Left {
+fn fit(commanded: &Commanded, windows: &[Window], late: Late, free: Free) -> Left {
     let over: Vec<[f64; 4]> =
         windows.iter().map(|window| commanded.over(window.from_s - late.delay_s, WINDOW_S)).collect();
     let squares = |k: usize| over.iter().fold(0.0, |sum, it| sum + it[k] * it[k]);
@@ -104,7 +104,7 @@ impl Ways {
 }
 
 /// Times from 0 to the greatest.
-pub(super) fn up_to(most_s: f64, apart_s: f64) -> impl Iterator<Item = f64> {
+fn up_to(most_s: f64, apart_s: f64) -> impl Iterator<Item = f64> {
     (0..=(most_s / apart_s).round() as usize).map(move |i| i as f64 * apart_s)
 }
 

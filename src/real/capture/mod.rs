@@ -14,7 +14,6 @@ mod late;
 mod motion;
 mod robust;
 mod sightings;
-mod starts;
 mod steady;
 pub mod steering;
 
@@ -166,11 +165,7 @@ mod tests {
                 (0.1 + 0.05 * f64::from(i * 7 % 3), 0.3 * f64::from(i * 5 % 7 - 3) / 3.0);
             Command { t_s, action: Action::Wheels { id: None, v_m_per_s, omega_rad_per_s } }
         };
-        told(&(0..48).map(command).collect::<Vec<Command>>(), delay_s, markers_rad)
-    }
-
-    /// The same told these commands.
-    fn told(commands: &[Command], delay_s: f64, markers_rad: f64) -> Dataset {
+        let commands: Vec<Command> = (0..48).map(command).collect();
         let mut pose = TruePose { t_s: 0.0, x_m: 0.0, y_m: 0.0, theta_rad: 0.0, v_m_per_s: None };
         let landmark = Beacon { id: 7, x_m: 0.5, y_m: 12.0, height_m: None };
         let (mut track, mut sightings) = (vec![TruePose { theta_rad: markers_rad, ..pose }], Vec::new());
@@ -242,25 +237,6 @@ mod tests {
         assert_eq!(found.values["wheel_lag.lag_s"], together["wheel_lag.lag_s"]);
         assert!((found.values["command_delay.delay_s"] - 0.3).abs() < 0.021 && found.values["wheel_lag.lag_s"] < 0.03);
         assert!(alone["wheel_lag.lag_s"] > 0.1);
-    }
-
-    /// A robot that starts later than it stops is seen to, as much later as it does, and to be as late as it is beside that.
-    #[test]
-    fn a_late_start_is_told_from_a_delay() {
-        let command = |i: i32| {
-            let (v_m_per_s, omega_rad_per_s) =
-                if i % 2 == 0 { (0.0, 0.0) } else { (0.1 + 0.05 * f64::from(i % 3), 0.2) };
-            Command { t_s: 1.25 * f64::from(i), action: Action::Wheels { id: None, v_m_per_s, omega_rad_per_s } }
-        };
-        let commands: Vec<Command> = (0..96).map(command).collect();
-        let mut late = told(&starts::after_rests(&commands, 0.12), 0.2, 0.0);
-        late.log.commands = commands.into();
-        let mut found = capture(&late, 0.0);
-        assert!((found.values["late_start.start_s"] - 0.12).abs() < 0.021, "{found:?}");
-        assert!(found.values["command_delay.delay_s"] > 0.23, "{found:?}");
-        found.suit(&["late_start", "command_delay"]);
-        assert!((found.values["command_delay.delay_s"] - 0.2).abs() < 0.021, "{found:?}");
-        assert!(!capture(&log(0.3, 0.0), 0.0).values.contains_key("late_start.start_s"));
     }
 
     /// A scale of commands makes a robot that goes 0.9 times as fast as told turn so as well: beside it wheels are too close together by

@@ -2,19 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use asami_dataset::{Action, Command, Dataset};
+use asami_dataset::{Action, Dataset};
 use asami_math::statistics::median;
 
 use super::late::{ALL, Free, Lags, Late, Left, NOTHING, Ways};
-use super::starts::{self, Started};
 use super::steady::Proportions;
 use super::{Capture, LEAST, OUTLIER, ROUNDS, Together, Window};
 
 /// Between the wheels of a Create.
 const BASE_M: f64 = 0.258;
 
-/// What hangs on whether a start comes later than a stop.
-const START: &str = "late_start";
 /// What hangs on whether a scale of commands is named.
 const SCALE: &str = "command_scale";
 const TURNS: &str = "command_scale.theta_ratio";
@@ -35,11 +32,10 @@ pub(super) fn motion(
     }
     let (lags, ways) = (Lags::new(commands), Ways::all());
     let Some(found) = counted(&lags, &ways, windows) else { return };
-    let told = Told { commands, windows, lags, ways, found, own_lag_s };
+    let told = Told { windows, lags, ways, found, own_lag_s };
     capture.shares = told.shares();
     proportions(&steady.unwrap_or_else(|| told.proportions()), capture);
     told.late(capture);
-    told.late_starts(capture);
 }
 
 /// What leaves least of windows, where those do not count any more in which a robot does something else altogether.
@@ -82,7 +78,6 @@ fn shown(values: &[(&str, f64)]) -> BTreeMap<String, f64> {
 
 /// What a robot was told, what it made of that, and what leaves least of it.
 struct Told<'a> {
-    commands: &'a [Command],
     windows: &'a [Window],
     lags: Lags,
     ways: Ways,
@@ -108,7 +103,6 @@ impl Told<'_> {
             ("bend", share(off(&at_once, Free { bent: true, ..NOTHING }))),
             ("delay", share(off(&self.ways.delayed, NOTHING))),
             ("lag", share(off(&self.ways.lagged, NOTHING))),
-            ("late start", share(starts::alone(self.commands, self.windows, scale))),
         ];
         shares.sort_by(|a, b| b.1.total_cmp(&a.1));
         shares
@@ -139,19 +133,6 @@ impl Told<'_> {
         let both = self.found.late;
         let values = self.values(both.delay_s, both.lag_s);
         capture.together.push(Together { of: &["command_delay", "wheel_lag"], values, without: None });
-    }
-
-    /// How late starts are besides, and commands beside those.
-    fn late_starts(&self, capture: &mut Capture) {
-        let Self { commands, windows, found, ways, .. } = self;
-        let Some(started) = starts::started(commands, windows, found.late, found.squares, ways) else { return };
-        let Started { start_s, beside: [delayed, lagged, both] } = started;
-        capture.values.insert(format!("{START}.start_s"), start_s);
-        let beside = |of, values| Together { of, values, without: None };
-        capture.together.extend([
-            beside(&[START], self.values(delayed.delay_s, lagged.lag_s)),
-            beside(&[START, "command_delay", "wheel_lag"], self.values(both.delay_s, both.lag_s)),
-        ]);
     }
 
     /// A delay and a lag, the latter on top of the nominal robot's.
