@@ -161,10 +161,12 @@ impl Shelf<'_> {
 /// logs of robots that rest, whether or not the nominal one does.
 const RESTS: f64 = 0.15;
 
-/// The nominal world, whose robot rests now and then if it is on wheels.
+/// The nominal world, whose robot rests now and then if it is on wheels that may turn: of a rail's no response knows starts.
 fn resting(nominal: &Simulation) -> Simulation {
     let mut resting = nominal.clone();
-    if let Policy::Roam(roams) = &mut resting.drive {
+    if let Policy::Roam(roams) = &mut resting.drive
+        && roams.roaming.most_rad_per_s > 0.0
+    {
         roams.roaming.rests = roams.roaming.rests.max(RESTS);
     }
     resting
@@ -249,11 +251,27 @@ mod tests {
     use asami_gap::weigh::causes::Evidence;
 
     use super::*;
+    use crate::scenario::{self, Origin};
 
     fn case(truth: &str) -> Case {
         let evidence = [("a", 5.0), ("b", 1.0), ("a+b", 6.0), ("unknown/timing", 2.0)];
         let evidence = Evidence::from(evidence.map(|(cause, nats)| (cause.to_owned(), nats)));
         Case { truth: truth.to_owned(), shown: None, evidence, absorbed_nats: Some(0.1), off_by: None }
+    }
+
+    #[test]
+    fn robots_that_may_turn_rest_where_responses_are_learned() {
+        let rests = |text: &str| {
+            let Origin::Simulated(nominal) = scenario::parse("create", "create.toml", text).unwrap().origin else {
+                panic!("it is simulated")
+            };
+            let Policy::Roam(roams) = resting(&nominal).drive else { panic!("it roams") };
+            roams.roaming.rests
+        };
+        let create = include_str!("../../scenarios/create.toml");
+        assert_eq!(rests(create), RESTS);
+        assert_eq!(rests(&create.replace("[roam]\n", "[roam]\nrests = 0.4\n")), 0.4);
+        assert_eq!(rests(include_str!("../../scenarios/create_rail.toml")), 0.0);
     }
 
     #[test]

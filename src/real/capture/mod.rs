@@ -193,12 +193,7 @@ mod tests {
         }
         let range_bearing = Some(RangeBearing { max_range_m: 20.0, sensor_origin_m: [0.0, 0.2] });
         let known = Known { robot: "create".into(), range_bearing, landmarks: vec![landmark], ..Known::default() };
-        let log = Log {
-            known: known.into(),
-            commands: commands.to_vec().into(),
-            sightings: sightings.into(),
-            ..Log::default()
-        };
+        let log = Log { known: known.into(), commands: commands.into(), sightings: sightings.into(), ..Log::default() };
         Dataset { log, truth: Truth { track: track.into(), survey: None }, provenance: None }
     }
 

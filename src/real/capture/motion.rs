@@ -34,8 +34,8 @@ pub(super) fn motion(
     let Some(found) = counted(&lags, &ways, windows) else { return };
     let told = Told { windows, lags, ways, found, own_lag_s };
     capture.shares = told.shares();
-    proportions(&steady.unwrap_or_else(|| told.proportions()), capture);
     told.late(capture);
+    proportions(&steady.unwrap_or_else(|| told.proportions()), capture);
 }
 
 /// What leaves least of windows, where those do not count any more in which a robot does something else altogether.
