@@ -67,7 +67,7 @@ fn world(robot: &str, effects: &Effects, seed: Seed) -> Box<dyn World> {
     Box::new(AiboWorld::new(&config, &field, &camera, effects, start, seed).expect("the shipped robot"))
 }
 
-/// Commands of all three parts at once, new every 1.5 s.
+/// Commands of all three parts at once, new every 1.5 s; before each a robot on wheels stands for a while.
 struct Wander {
     rng: Rng,
     current: Option<(f64, Action)>,
@@ -80,6 +80,9 @@ impl Drive for Wander {
         self.current = Some((since_s, action));
         if t_s - since_s >= 1.5 {
             self.current = None;
+        }
+        if self.robot.starts_with("create") && t_s - since_s >= 1.1 {
+            return Action::Wheels { id: None, v_m_per_s: 0.0, omega_rad_per_s: 0.0 };
         }
         action
     }
