@@ -4,7 +4,7 @@ use crate::effect::{Effect, effect};
 use crate::knobs::Knobs;
 
 /// Sharper turns are none of these, in rad/s.
-pub const SLIGHT_RAD_PER_S: f64 = 0.1;
+const SLIGHT_RAD_PER_S: f64 = 0.1;
 
 /// Whether a turning rate is that of a slight turn, and of a turn at all.
 #[must_use]

@@ -110,6 +110,7 @@ fn up_to(most_s: f64, apart_s: f64) -> impl Iterator<Item = f64> {
 
 /// Weights of columns, by least squares; where it is not free, the first's is 1 and the others' are 0.
 fn weights<const N: usize>(rows: impl Iterator<Item = ([f64; N], f64)>, free: [bool; N]) -> [f64; N] {
+    // Sums, and no factor by row as in `asami_math::regression`: there are thousands of fits to a thousand windows each.
     let (mut squares, mut products) = (vec![vec![0.0; N]; N], [0.0; N]);
     for (row, y) in rows {
         let y = y - if free[0] { 0.0 } else { row[0] };

@@ -2,7 +2,8 @@
 //!
 //! A log says when a command was given, and wheels take it up when they come to it: what is told for less than their cycle lasts a whole
 //! one, or none. Where most of what is told is shorter than a log can date, proportions of what is done to what is told are wrong over all
-//! of it, and right where the same is told for long.
+//! of it, and right where the same is told for long. Of slight turns ([`asami_sim::effects::slight_turns`]) one is as good as another: streams of
+//! corrections are long, and each of them is short.
 
 use asami_dataset::Dataset;
 use asami_sim::effects::slight_turns::is_slight;
