@@ -1,6 +1,7 @@
 //! The diagnosis of a real robot's log: how noisy it is, then everything that parts it from the nominal world, the largest
 //! first.
 
+mod acts;
 pub mod astray;
 pub mod crossed;
 pub mod folds;
@@ -33,6 +34,7 @@ use crate::plant::{Planted, Variant};
 use crate::view::CannotSee;
 use crate::weigh::causes::{NONE, UNKNOWN};
 use crate::weigh::groups::{SPLIT_NATS, smallest_visible};
+use acts::acts;
 use crossed::Crossed;
 use folds::Folds;
 use kin::Kin;
@@ -130,8 +132,8 @@ pub fn diagnose_among(
     let least = Least { kin: kin.clone(), ..LEAST };
     // A single landmark that stands elsewhere is a robot that does.
     let shows = |it: &&Variant| it.place() != Place::Scene || nominal.base.shape.landmarks > 1;
-    let variants: Vec<Variant> =
-        variants.iter().filter(|it| it.block() != Block::Noise).filter(shows).cloned().collect();
+    let there = |it: &&Variant| it.block() != Block::Noise && shows(it) && acts(it, &log.commands);
+    let variants: Vec<Variant> = variants.iter().filter(there).cloned().collect();
     let folds = Folds::default();
     let mut library = nominal.clone();
     let mut best = (f64::NEG_INFINITY, Vec::new(), Vec::new());

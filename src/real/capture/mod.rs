@@ -14,6 +14,7 @@ mod late;
 mod motion;
 mod robust;
 mod sightings;
+mod starts;
 mod steady;
 pub mod steering;
 
@@ -113,6 +114,9 @@ pub fn capture(dataset: &Dataset, own_lag_s: f64) -> Capture {
     let ahead_rad = ahead(&windows);
     windows.iter_mut().for_each(|window| window.look(ahead_rad));
     let steady = steady::steady(dataset, ahead_rad);
+    if let Some(later_s) = steady.and_then(|does| starts::late_start(dataset, ahead_rad, &does)) {
+        capture.values.insert("late_start.start_s".to_owned(), later_s);
+    }
     motion::motion(dataset, &mut windows, steady, own_lag_s, &mut capture);
     sightings::sightings(dataset, ahead_rad, &mut capture);
     capture

@@ -38,6 +38,14 @@ pub(super) struct Proportions {
     pub bend_rad_per_m: f64,
 }
 
+impl Proportions {
+    /// The way forward that it makes of what [`Commanded`] sums, in m.
+    pub(super) fn way_m(&self, told: &[f64; 4]) -> f64 {
+        let won = if self.slight_gain.is_finite() { self.slight_gain * told[3] } else { 0.0 };
+        self.forward * (told[0] - self.loss_s2 * told[2] + won)
+    }
+}
+
 /// A stretch in which one speed is told, and one turning rate or slight ones.
 struct Stretch {
     made: Window,

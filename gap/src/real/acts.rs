@@ -1,0 +1,67 @@
+//! What a robot was told, and whether an effect on that would have made anything else of it: where it would not, no log shows it, and what
+//! of its response a library learned from other commands fits is of something else.
+
+use asami_dataset::{Command, Seed};
+use asami_sim::effect::Stage;
+use asami_sim::effects::Effects;
+
+use crate::plant::Variant;
+
+/// Commands in force are looked at so often, in seconds.
+const TICK_S: f64 = 0.01;
+
+/// Whether an effect of this kind, at its greatest, makes anything else of these commands. What does not act on commands is not asked.
+pub(super) fn acts(variant: &Variant, commands: &[Command]) -> bool {
+    let mut effects = Effects::default();
+    variant.plant(variant.sizes().1, &mut effects);
+    let stages = effects.iter().filter_map(|effect| effect.stage(Seed(0).stream(variant.about.name)));
+    let of_commands = stages.filter_map(|stage| if let Stage::Command(of) = stage { Some(of) } else { None });
+    let mut asked = of_commands.peekable();
+    asked.peek().is_none()
+        || asked.any(|mut of| in_force(commands).any(|(t_s, told)| of(t_s, told.action) != told.action))
+}
+
+/// The command in force at each moment.
+fn in_force(commands: &[Command]) -> impl Iterator<Item = (f64, &Command)> {
+    commands.iter().enumerate().flat_map(|(i, told)| {
+        let until_s = commands.get(i + 1).map_or(told.t_s + TICK_S, |next| next.t_s);
+        let moments = ((until_s - told.t_s) / TICK_S).ceil() as usize;
+        (0..moments).map(move |tick| (told.t_s + tick as f64 * TICK_S, told))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use asami_dataset::Action;
+    use asami_sim::effects::catalogue;
+
+    use super::*;
+
+    fn kind(name: &str) -> Variant {
+        let about = catalogue().into_iter().find(|about| about.name == name).unwrap();
+        Variant::of(about, 10).swap_remove(0)
+    }
+
+    /// Twice a second, with a speed for each.
+    fn told(speeds_m_per_s: &[f64]) -> Vec<Command> {
+        let wheels = |v_m_per_s: f64| Action::Wheels { id: None, v_m_per_s, omega_rad_per_s: 0.0 };
+        let command = |(i, v): (usize, &f64)| Command { t_s: 0.5 * i as f64, action: wheels(*v) };
+        speeds_m_per_s.iter().enumerate().map(command).collect()
+    }
+
+    #[test]
+    fn a_robot_that_never_rests_never_starts_late() {
+        let late = kind("late_start");
+        assert!(!acts(&late, &told(&[0.1, 0.05, 0.1, 0.07])));
+        // Never told to go again.
+        assert!(!acts(&late, &told(&[0.1, 0.05, 0.0])));
+        assert!(acts(&late, &told(&[0.1, 0.0, 0.1])));
+    }
+
+    #[test]
+    fn what_is_late_always_acts_and_what_acts_elsewhere_is_not_asked() {
+        for name in ["command_delay", "wheel_base", "wheel_lag", "slight_turns", "range_scale"] {
+            assert!(acts(&kind(name), &told(&[0.1, 0.05, 0.1])), "{name}");
+        }
+    }
+}
