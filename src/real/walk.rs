@@ -376,6 +376,6 @@ impl Prepared<'_> {
             Policy::Roam(roams) => roams.create.wheels.lag_s,
             _ => 0.0,
         };
-        capture(seen, own_lag_s)
+        capture(seen, &self.told, own_lag_s)
     }
 }

@@ -21,7 +21,7 @@ pub mod steering;
 use std::collections::BTreeMap;
 
 use asami_dataset::truth::pose_at;
-use asami_dataset::{Dataset, TruePose};
+use asami_dataset::{Command, Dataset, TruePose};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, sin_cos};
 
@@ -105,16 +105,17 @@ fn ahead(windows: &[Window]) -> f64 {
     atan2((of(forward, left) * tt - of(turn, left) * ft) / (ff * tt - ft * ft).max(1e-12), 1.0)
 }
 
-/// What the truth of a wheeled robot's log shows; nothing where there is too little of it. `own_lag_s` is the time constant
-/// that the nominal robot has by itself: an effect's is on top of it.
+/// What the truth of a wheeled robot's log shows; nothing where there is too little of it. `given` are its commands as they were given,
+/// whenever they were taken up: a rest that may not have been one is none. `own_lag_s` is the time constant that the nominal robot has by
+/// itself: an effect's is on top of it.
 #[must_use]
-pub fn capture(dataset: &Dataset, own_lag_s: f64) -> Capture {
+pub fn capture(dataset: &Dataset, given: &[Command], own_lag_s: f64) -> Capture {
     let mut capture = Capture::default();
     let mut windows = windows(&dataset.truth.track);
     let ahead_rad = ahead(&windows);
     windows.iter_mut().for_each(|window| window.look(ahead_rad));
     let steady = steady::steady(dataset, ahead_rad);
-    if let Some(later_s) = steady.and_then(|does| starts::late_start(dataset, ahead_rad, &does)) {
+    if let Some(later_s) = steady.and_then(|does| starts::late_start(given, &dataset.truth.track, ahead_rad, &does)) {
         capture.values.insert("late_start.start_s".to_owned(), later_s);
     }
     motion::motion(dataset, &mut windows, steady, own_lag_s, &mut capture);
@@ -154,7 +155,7 @@ fn window(track: &[TruePose], from_s: f64, length_s: f64) -> Option<Window> {
 #[cfg(test)]
 mod tests {
     use asami_dataset::log::RangeBearing;
-    use asami_dataset::{Action, Beacon, Command, Known, Log, Sighting, Size, Truth};
+    use asami_dataset::{Action, Beacon, Known, Log, Sighting, Size, Truth};
     use asami_math::elementary::hypot;
 
     use super::*;
@@ -201,9 +202,13 @@ mod tests {
         Dataset { log, truth: Truth { track: track.into(), survey: None }, provenance: None }
     }
 
+    fn shown(dataset: &Dataset, own_lag_s: f64) -> Capture {
+        capture(dataset, &dataset.log.commands, own_lag_s)
+    }
+
     #[test]
     fn what_was_put_in_is_shown() {
-        let found = capture(&log(0.3, 0.0), 0.0);
+        let found = shown(&log(0.3, 0.0), 0.0);
         let near = |name: &str, expected: f64, tolerance: f64| {
             let value = found.values[name];
             assert!((value - expected).abs() < tolerance, "{name}: {value}, not {expected}");
@@ -219,16 +224,16 @@ mod tests {
         near("depth_for_range.share", 1.0, 1e-6);
         near("range_skew.share", -0.03, 1e-6);
         near("pan_offset.offset_rad", 0.02, 1e-4);
-        let less = capture(&log(0.3, 0.0), 0.03).values["wheel_lag.lag_s"];
+        let less = shown(&log(0.3, 0.0), 0.03).values["wheel_lag.lag_s"];
         near("wheel_lag.lag_s", less + 0.03, 1e-9);
-        let at_once = capture(&log(0.0, 0.0), 0.0).shares;
+        let at_once = shown(&log(0.0, 0.0), 0.0).shares;
         assert!(at_once[0].0 == "scale" && at_once[0].1 > 0.9, "{at_once:?}");
     }
 
     /// A delay and a lag that are both named have the sizes that they have together.
     #[test]
     fn what_is_named_has_the_sizes_that_suit_it() {
-        let mut found = capture(&log(0.3, 0.0), 0.0);
+        let mut found = shown(&log(0.3, 0.0), 0.0);
         let (alone, together) = (found.values.clone(), found.together[0].values.clone());
         found.clone().suit(&["wheel_lag", "turn_slowing", "command_scale"]);
         assert_eq!(found.values, alone);
@@ -242,7 +247,7 @@ mod tests {
     /// as much. Without one, what it lacks is taken for what it loses in turns.
     #[test]
     fn a_scale_that_is_named_or_not_is_counted_in() {
-        let found = capture(&log(0.3, 0.0), 0.0);
+        let found = shown(&log(0.3, 0.0), 0.0);
         let named = |names: &[&str]| {
             let mut found = found.clone();
             found.suit(names);
@@ -260,7 +265,7 @@ mod tests {
     /// How markers were put on a robot says nothing of the robot.
     #[test]
     fn ahead_is_where_a_robot_goes() {
-        let (straight, askew) = (capture(&log(0.3, 0.0), 0.0), capture(&log(0.3, -0.08), 0.0));
+        let (straight, askew) = (shown(&log(0.3, 0.0), 0.0), shown(&log(0.3, -0.08), 0.0));
         for (name, value) in &straight.values {
             let other = askew.values[name];
             assert!((value - other).abs() < 1e-4, "{name}: {other}, not {value}");
@@ -270,10 +275,10 @@ mod tests {
     #[test]
     fn a_log_without_truth_shows_nothing() {
         let blind = Dataset { truth: Truth::default(), ..log(0.3, 0.0) };
-        assert_eq!(capture(&blind, 0.0), Capture::default());
+        assert_eq!(shown(&blind, 0.0), Capture::default());
         let mut short = log(0.3, 0.0);
         short.truth.track = short.truth.track.window(&(0.0..5.0));
         short.log.sightings = short.log.sightings.window(&(0.0..5.0));
-        assert_eq!(capture(&short, 0.0), Capture::default());
+        assert_eq!(shown(&short, 0.0), Capture::default());
     }
 }

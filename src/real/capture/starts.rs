@@ -2,7 +2,7 @@
 //!
 //! Of single stops and starts, for windows over which many commands come and go tell neither.
 
-use asami_dataset::{Command, Dataset, TruePose};
+use asami_dataset::{Command, TruePose};
 use asami_sim::effects::slight_turns::is_slight;
 
 use super::robust::{Row, fitted};
@@ -48,10 +48,9 @@ impl Run {
 /// By how much later than it stops, in seconds, after what it is told. Beyond what it would have made by its proportions the robot makes the
 /// way that a stop comes late, at the speed before, and misses that which a start does, at the speed after. `None` of a robot that is hardly
 /// ever told to stand.
-pub(super) fn late_start(dataset: &Dataset, ahead_rad: f64, does: &Proportions) -> Option<f64> {
-    let commanded = Commanded::new(&dataset.log.commands, 0.0, 0.0);
-    let watched = Watched { track: &dataset.truth.track, ahead_rad, commanded, does };
-    let runs = runs(&dataset.log.commands);
+pub(super) fn late_start(given: &[Command], track: &[TruePose], ahead_rad: f64, does: &Proportions) -> Option<f64> {
+    let watched = Watched { track, ahead_rad, commanded: Commanded::new(given, 0.0, 0.0), does };
+    let runs = runs(given);
     let rows: Vec<Row<2>> = runs.windows(3).flat_map(|it| watched.rest(&it[0], &it[1], &it[2])).flatten().collect();
     let starts = rows.iter().filter(|(speeds, _)| speeds[1] != 0.0).count();
     if starts < FEWEST {
@@ -116,7 +115,7 @@ fn runs(commands: &[Command]) -> Vec<Run> {
 
 #[cfg(test)]
 mod tests {
-    use asami_dataset::{Action, Log, Seed, Truth};
+    use asami_dataset::{Action, Seed};
     use asami_sim::effect::Effect as _;
     use asami_sim::effect::Stage;
     use asami_sim::effects::late_start::LateStart;
@@ -134,7 +133,7 @@ mod tests {
 
     /// Does so after 0.15 s, and starts later by `late`'s; told to stand every `rests`-th time, for half a second or longer, and turns every
     /// fourth.
-    fn log(late: &LateStart, rests: usize) -> Dataset {
+    fn log(late: &LateStart, rests: usize) -> (Vec<Command>, Vec<TruePose>) {
         let told = |i: usize| match i {
             _ if i.is_multiple_of(rests) => (0.0, 0.0),
             _ if i % 4 == 1 => (0.08, 0.3),
@@ -161,14 +160,17 @@ mod tests {
             pose.t_s = t_s + 0.01;
             track.push(pose);
         }
-        let log = Log { commands: commands.into(), ..Log::default() };
-        Dataset { log, truth: Truth { track: track.into(), survey: None }, provenance: None }
+        (commands, track)
+    }
+
+    fn shown((given, track): &(Vec<Command>, Vec<TruePose>)) -> Option<f64> {
+        late_start(given, track, 0.0, &EXACT)
     }
 
     #[test]
     fn starts_are_as_late_as_they_were_made() {
         for start_s in [0.02, 0.12, 0.3] {
-            let found = late_start(&log(&LateStart { start_s }, 3), 0.0, &EXACT);
+            let found = shown(&log(&LateStart { start_s }, 3));
             assert!(found.is_some_and(|it| (it - start_s).abs() < 0.011), "{found:?}, not {start_s}");
         }
     }
@@ -176,7 +178,7 @@ mod tests {
     #[test]
     fn a_robot_that_is_hardly_told_to_stand_shows_nothing() {
         let late = LateStart { start_s: 0.2 };
-        assert!(late_start(&log(&late, 7), 0.0, &EXACT).is_some());
-        assert_eq!(late_start(&log(&late, 40), 0.0, &EXACT), None);
+        assert!(shown(&log(&late, 7)).is_some());
+        assert_eq!(shown(&log(&late, 40)), None);
     }
 }

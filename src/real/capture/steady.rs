@@ -159,7 +159,8 @@ mod tests {
     /// Bursts that a log dates badly make neither a scale nor a wheel base.
     #[test]
     fn what_is_told_for_long_is_told_right() {
-        let found = capture(&bursts(300.0), 0.0).values;
+        let log = bursts(300.0);
+        let found = capture(&log, &log.log.commands, 0.0).values;
         let near = |name: &str, expected: f64, tolerance: f64| {
             let value = found.get(name).copied().unwrap_or(f64::NAN);
             assert!((value - expected).abs() < tolerance, "{name}: {value}, not {expected}: {found:?}");
