@@ -34,8 +34,8 @@ const HELD_AGES_S: [f64; 4] = [0.0, 0.37, 0.74, 1.11];
 const HELD_S: f64 = 1.0;
 /// Of a base on two wheels, so many columns are of its speed in turns: times the squared turning rate, and where it is told a slight turn.
 pub(crate) const OF_TURNS: usize = 2;
-/// And in these axes it may start late: forwards and about itself.
-const STARTED: [usize; 2] = [1, 2];
+/// And along this axis it may start late: forwards.
+const STARTED: usize = 1;
 /// Columns that grow with time in the log are in units of it.
 const WEAR_S: f64 = 100.0;
 
@@ -73,7 +73,7 @@ pub enum Group {
     Wear,
     /// Of a base on two wheels, what lingers of its speed in turns.
     Turning,
-    /// Of a base on two wheels, its speed and its turning rate where it stood before, by age.
+    /// Of a base on two wheels, its speed where it stood before, by age.
     Starting,
 }
 
@@ -139,7 +139,7 @@ impl Columns {
             Group::Held => SPEED_KNOTS.len() * (HELD_AGES_S.len() - 1),
             Group::Wear => 7,
             Group::Turning if self.rolls() => OF_TURNS * (AGES_S.len() - 1),
-            Group::Starting if self.rolls() => STARTED.len() * (AGES_S.len() - 1),
+            Group::Starting if self.rolls() => AGES_S.len() - 1,
             Group::Turning | Group::Starting => 0,
         }
     }
@@ -164,10 +164,9 @@ impl Columns {
         self.rolls().then(|| end - OF_TURNS..end)
     }
 
-    /// Of a base on two wheels, its axes and the columns that are their velocities where it stood so long ago.
-    pub fn started(&self, age: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let columns = self.range(Group::Starting).skip(STARTED.len() * age);
-        STARTED.into_iter().zip(columns)
+    /// Of a base on two wheels, the axis along which it starts, and the column that is its speed where it stood so long ago.
+    pub fn started(&self, age: usize) -> Option<(usize, usize)> {
+        self.range(Group::Starting).nth(age).map(|column| (STARTED, column))
     }
 
     /// The curve as coarsely as effects bend it: what each of its parts is made of, columns with their shares.
@@ -240,7 +239,7 @@ impl Columns {
         row[self.range(Group::Curve)].copy_from_slice(&scratch);
         let middle_s = 0.5 * (from_s + to_s);
         let (lingering, turning) = (self.range(Group::Lingering).start, self.range(Group::Turning));
-        let starting = self.range(Group::Starting);
+        let starting = self.range(Group::Starting).start;
         let in_turns: Vec<f64> = scratch.iter().rev().take(OF_TURNS).rev().copied().collect();
         for (age, ages_s) in AGES_S.windows(2).enumerate() {
             // A turn of wheels may be over between the middles of two steps; legs are looked at more often.
@@ -261,9 +260,7 @@ impl Columns {
                 let mut stood = 0.0;
                 earlier
                     .each(commands, |share, action| stood += if attempt(action).1 == [0.0; 3] { share } else { 0.0 });
-                for (column, axis) in row[starting.clone()].iter_mut().skip(STARTED.len() * age).zip(STARTED) {
-                    *column = stood * velocity[axis];
-                }
+                row[starting + age] = stood * velocity[STARTED];
             }
         }
         let heading = self.range(Group::Heading).start;

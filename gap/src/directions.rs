@@ -103,10 +103,9 @@ impl Making<'_> {
     }
 
     /// Of a base on wheels, how much slower it is than it is told where it stood so long ago.
-    fn starts(&self, age: usize) -> Vec<(usize, f64)> {
-        let started = self.shape.columns.started(age);
-        let of = |(axis, column)| (axis * self.shape.columns.len() + column, -0.3 * self.greatest(axis));
-        started.map(of).collect()
+    fn starts(&self, age: usize) -> Option<(usize, f64)> {
+        let (axis, column) = self.shape.columns.started(age)?;
+        Some((axis * self.shape.columns.len() + column, -0.3 * self.greatest(axis)))
     }
 
     /// Each axis's velocity, growing with time.

@@ -54,3 +54,15 @@ impl Commanded {
         std::array::from_fn(|k| after[k] - before[k])
     }
 }
+
+/// Stretches in which what is told is of one kind, from when its first command was given until the next kind's, with that command. The last
+/// stretch has no end, and is left out.
+pub fn alike<'a, Kind: PartialEq>(
+    commands: &'a [Command],
+    kind: impl Fn(&Command) -> Kind,
+) -> impl Iterator<Item = (&'a Command, [f64; 2])> {
+    let changes = (0..commands.len()).filter(|i| *i == 0 || kind(&commands[*i]) != kind(&commands[i - 1]));
+    let firsts: Vec<&Command> = changes.map(|i| &commands[i]).collect();
+    let next = firsts.clone().into_iter().skip(1);
+    firsts.into_iter().zip(next).map(|(first, next)| (first, [first.t_s, next.t_s]))
+}

@@ -268,8 +268,8 @@ fn held(records: &[Record]) -> Table {
          scale of ranges beside a focal length what that leaves of it. Capture has a clock and a heading of its own: what a camera is late, or turned \
          against the way that the robot goes, a log alone cannot tell from motors that are late, or from nothing; what ranges and a scanner's \
          angles are off is counted beside what they are late. What wheels do in proportion to what they are told is of stretches in which the same \
-         is told for long, any slight turns for one, where there are enough: what is told for less than a robot's own clock lasts as long as that has it. ±: standard \
-         errors, by leaving a tenth of the time out in turn.",
+         is told for long, any slight turns for one, where there are enough: what is told for less than a robot's own clock lasts as long as that has it; late starts are of single \
+         rests, by commands as they were given. ±: standard errors, by leaving a tenth of the time out in turn.",
     );
     for record in records.iter().filter(|record| record.part == Part::Whole) {
         let Some(cause) = record.diagnosis.as_ref().and_then(said) else { continue };

@@ -1,4 +1,4 @@
-//! By how much later a robot starts than it stops.
+//! By how much later a robot's speed comes than it goes.
 //!
 //! Of single stops and starts, for windows over which many commands come and go tell neither.
 
@@ -8,7 +8,7 @@ use asami_sim::effects::slight_turns::is_slight;
 use super::robust::{Row, fitted};
 use super::steady::Proportions;
 use super::window;
-use crate::real::commanded::Commanded;
+use crate::real::commanded::{Commanded, alike};
 
 /// Told to stand for less it may not come to stand.
 const SHORTEST_S: f64 = 0.2;
@@ -20,7 +20,7 @@ const GOES_S: f64 = 0.8;
 const WENT_S: f64 = 0.4;
 /// What is slower is no going, in m/s.
 const SLOWEST_M_PER_S: f64 = 0.03;
-/// Fewer rests say nothing.
+/// Fewer starts say nothing.
 const FEWEST: usize = 5;
 
 /// While it is told to go ahead with one speed, or to stand.
@@ -45,7 +45,7 @@ impl Run {
     }
 }
 
-/// By how much later than it stops, in seconds, after what it is told. Beyond what it would have made by its proportions the robot makes the
+/// By how much later than it goes its speed comes, in seconds, after what is told. Beyond what it would have made by its proportions the robot makes the
 /// way that a stop comes late, at the speed before, and misses that which a start does, at the speed after. `None` of a robot that is hardly
 /// ever told to stand.
 pub(super) fn late_start(given: &[Command], track: &[TruePose], ahead_rad: f64, does: &Proportions) -> Option<f64> {
@@ -103,14 +103,7 @@ fn runs(commands: &[Command]) -> Vec<Run> {
         let [v, omega] = command.action.velocity()?;
         (omega == 0.0 || v != 0.0 && is_slight(omega)).then_some(v)
     };
-    let changes: Vec<usize> =
-        (0..commands.len()).filter(|i| *i == 0 || told(&commands[*i]) != told(&commands[i - 1])).collect();
-    let run = |ends: &[usize]| Run {
-        from_s: commands[ends[0]].t_s,
-        to_s: commands[ends[1]].t_s,
-        speed_m_per_s: told(&commands[ends[0]]),
-    };
-    changes.windows(2).map(run).collect()
+    alike(commands, told).map(|(first, [from_s, to_s])| Run { from_s, to_s, speed_m_per_s: told(first) }).collect()
 }
 
 #[cfg(test)]

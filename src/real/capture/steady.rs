@@ -5,12 +5,12 @@
 //! of it, and right where the same is told for long. Of slight turns ([`asami_sim::effects::slight_turns`]) one is as good as another: streams of
 //! corrections are long, and each of them is short.
 
-use asami_dataset::Dataset;
+use asami_dataset::{Command, Dataset};
 use asami_sim::effects::slight_turns::is_slight;
 
 use super::robust::{Row, fitted};
 use super::{LEAST, Window, window};
-use crate::real::commanded::Commanded;
+use crate::real::commanded::{Commanded, alike};
 
 /// What was told for less is done by then.
 const SETTLES_S: f64 = 0.7;
@@ -85,25 +85,26 @@ fn of<const N: usize>(stretches: &[&Stretch], row: impl Fn(&Stretch) -> Row<N>) 
 
 /// Where the same has been told for long enough, until something else is.
 fn stretches(dataset: &Dataset) -> Vec<Stretch> {
-    let told = |i: usize| dataset.log.commands.get(i).and_then(|it| it.action.velocity());
-    // One slight turn is as good as another.
-    let kind = |i: usize| told(i).map(|[v, omega]| (v, is_slight(omega), if is_slight(omega) { 0.0 } else { omega }));
     let commands = &dataset.log.commands;
-    let changes: Vec<usize> = (0..commands.len()).filter(|i| *i == 0 || kind(*i) != kind(i - 1)).collect();
+    // One slight turn is as good as another.
+    let kind = |command: &Command| {
+        let told = command.action.velocity();
+        told.map(|[v, omega]| (v, is_slight(omega), if is_slight(omega) { 0.0 } else { omega }))
+    };
     let commanded = Commanded::new(commands, 0.0, 0.0);
-    let stretch = |ends: &[usize]| {
-        let from_s = commands[ends[0]].t_s + SETTLES_S;
-        let length_s = commands[ends[1]].t_s - from_s;
+    let stretch = |(first, [told_s, to_s]): (&Command, [f64; 2])| {
+        let from_s = told_s + SETTLES_S;
+        let length_s = to_s - from_s;
         let made = if length_s < SHORTEST_S { None } else { window(&dataset.truth.track, from_s, length_s) };
-        let [_, omega_rad_per_s] = told(ends[0])?;
+        let [_, omega_rad_per_s] = first.action.velocity()?;
         Some(Stretch { made: made?, told: commanded.over(from_s, length_s), omega_rad_per_s })
     };
-    changes.windows(2).filter_map(stretch).collect()
+    alike(commands, kind).filter_map(stretch).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use asami_dataset::{Action, Command, Log, TruePose, Truth};
+    use asami_dataset::{Action, Log, TruePose, Truth};
     use asami_math::elementary::sin_cos;
 
     use super::*;

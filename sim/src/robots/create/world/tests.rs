@@ -24,13 +24,17 @@ impl Drive for NowAndThen {
     }
 }
 
-/// Straight on, but for so long of a rest after four seconds.
-struct StandsOnce(f64);
+/// As fast as that, but for so long of a rest after four seconds.
+struct StandsOnce {
+    stands_s: f64,
+    omega_rad_per_s: f64,
+}
 
 impl Drive for StandsOnce {
     fn act(&mut self, t_s: f64, _seen: &Seen) -> Action {
-        let stands = (4.0..4.0 + self.0 - 1e-6).contains(&(t_s + 1e-6));
-        Action::Wheels { id: None, v_m_per_s: if stands { 0.0 } else { 0.2 }, omega_rad_per_s: 0.0 }
+        let stands = (4.0..4.0 + self.stands_s - 1e-6).contains(&(t_s + 1e-6));
+        let [v_m_per_s, omega_rad_per_s] = if stands { [0.0; 2] } else { [0.2, self.omega_rad_per_s] };
+        Action::Wheels { id: None, v_m_per_s, omega_rad_per_s }
     }
 }
 
@@ -127,17 +131,27 @@ fn a_wider_base_turns_less() {
     assert!((forward - 0.3).abs() < 3e-3 && turn.abs() < 2e-3, "{forward} {turn}");
 }
 
-/// After a rest the robot starts later by as long as it is said to, but by no more than it was told to stand.
+/// After a rest the robot's speed comes later by as long as it is said to, but by no more than it was told to stand: it gets less far by that
+/// much, half of its speed is there that much later, and it turns as it did.
 #[test]
 fn a_robot_that_starts_late_gets_less_far() {
-    let way_m = |stands_s: f64, start_s: f64| {
+    let driven = |[stands_s, omega_rad_per_s]: [f64; 2], start_s: f64| {
         let late = effects(&[("late_start", "start_s", start_s)]);
-        drive_by(&exact(), &late, &mut StandsOnce(stands_s), 8.0).truth.track.last().unwrap().y_m
+        drive_by(&exact(), &late, &mut StandsOnce { stands_s, omega_rad_per_s }, 8.0).truth.track
     };
     for (stands_s, start_s, later_s) in [(1.0, 0.1, 0.1), (1.0, 0.3, 0.3), (0.1, 0.3, 0.1)] {
-        let lost_m = way_m(stands_s, 0.0) - way_m(stands_s, start_s);
-        assert!((lost_m - 0.2 * later_s).abs() < 5e-3, "{stands_s} {start_s}: {lost_m}");
+        let [now_m, late_m] = [0.0, start_s].map(|start_s| driven([stands_s, 0.0], start_s).last().unwrap().y_m);
+        assert!((now_m - late_m - 0.2 * later_s).abs() < 5e-3, "{stands_s} {start_s}: {now_m} {late_m}");
     }
+    let [now_s, late_s] = [0.0, 0.3].map(|start_s| {
+        let track = driven([1.0, 0.0], start_s);
+        let goes = |it: &[TruePose]| it[0].t_s > 4.5 && it[1].y_m - it[0].y_m > 0.1 * (it[1].t_s - it[0].t_s);
+        track.windows(2).find(|it| goes(it)).unwrap()[0].t_s
+    });
+    assert!((late_s - now_s - 0.3).abs() < 0.05, "{now_s} {late_s}");
+    let [now_rad, late_rad] = [0.0, 0.3].map(|start_s| driven([1.0, 0.1], start_s).last().unwrap().theta_rad);
+    // Were it late as well, 0.03 rad would be missed.
+    assert!((late_rad - now_rad).abs() < 0.01, "{now_rad} {late_rad}");
 }
 
 /// Told the slightest turn the robot goes faster, and turns as it is told; straight on, on the spot and in sharp turns it does what it does.
