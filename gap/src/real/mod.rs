@@ -2,6 +2,7 @@
 //! first.
 
 mod acts;
+mod apart;
 pub mod astray;
 pub mod crossed;
 pub mod folds;
