@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand_distr::StandardNormal;
 
 use crate::directions::Direction;
-use crate::judge::{Channel, Innovation, Judge, Moment, Reading, Regime};
+use crate::judge::{Channel, Judge, Moment, Reading, Regime};
 use crate::plant::{Planted, Variant};
 
 /// Measurements in a log.
@@ -65,13 +65,8 @@ impl Judge for Straight {
 
     fn read(&self, numbers: &[f64]) -> Reading {
         let off = |t: usize| self.measured[t] - self.made(numbers, t);
-        let off: Vec<f64> = (0..self.measured.len()).map(off).collect();
-        let innovation = |off: &f64| Innovation { channel: 0, plain: *off, white: *off, ln_scale: 0.0, genuine: true };
-        Reading {
-            log_likelihoods: off.iter().map(|off| -0.5 * off * off).collect(),
-            innovations: off.iter().map(innovation).collect(),
-            ..Reading::default()
-        }
+        let log_likelihoods = (0..self.measured.len()).map(|t| -0.5 * off(t) * off(t)).collect();
+        Reading { log_likelihoods, ..Reading::default() }
     }
 
     fn steps(&self) -> &[Moment] {

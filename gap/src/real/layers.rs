@@ -7,7 +7,6 @@
 use asami_math::elementary::{exp, ln};
 use asami_sim::effect::{Block, Place};
 
-use super::apart::Apart;
 use super::kin::Kin;
 use super::starts::About;
 use super::unsure::{blocks, sized};
@@ -15,6 +14,7 @@ use crate::judge::Judge;
 use crate::newton::{Curvature, climb};
 use crate::plant::{Planted, Variant};
 use crate::weigh::evidence::{CLOSE, Weighed, weigh};
+use crate::weigh::groups::Signature;
 
 /// At most so many effects.
 const MOST: usize = 8;
@@ -201,13 +201,14 @@ fn in_its_place(
     let found = best.filter(|(it, settled)| it.gain_nats >= least.gain(judge, &settled.effects, settled.likely));
     let layer = found.map(|(best, settled)| {
         let (evidence_nats, pays_nats) = (by_blocks(&best, &settled), best.gain_nats - best.evidence_nats);
-        let rivals = tried.map(|(rival, other)| {
-            let Apart { nats, counts } = Apart::new(judge, &settled.effects, &other.effects);
-            // What parts two of them counts as little as what parts the better one from none.
-            let counts = counts.min(settled.last_counts());
-            let less = counts * (best.gain_nats - rival.gain_nats) - pays_nats + rival.gain_nats - rival.evidence_nats;
-            let apart_nats = settled.last_counts() * nats;
-            Rival { effect: rival.effect, evidence_nats: evidence_nats - less, apart_nats }
+        // What parts two of them counts as little as what parts the better one from none.
+        let less = |rival: &Weighed| settled.last_counts() * (best.evidence_nats - rival.evidence_nats);
+        let reading = |settled: &Settled| judge.read(&judge.numbers(&settled.effects));
+        let leads = reading(&settled);
+        let rivals = tried.map(|(rival, other)| Rival {
+            effect: rival.effect,
+            evidence_nats: evidence_nats - less(&rival),
+            apart_nats: settled.last_counts() * Signature::new(&leads, &reading(&other)).nats(),
         });
         let rivals = rivals.collect();
         (Layer { weighed: Weighed { evidence_nats, ..best }, pays_nats, rivals }, settled.effects)

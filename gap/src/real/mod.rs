@@ -2,7 +2,6 @@
 //! first.
 
 mod acts;
-mod apart;
 pub mod astray;
 pub mod crossed;
 pub mod folds;
