@@ -57,10 +57,10 @@ impl Commanded {
 
 /// Stretches in which what is told is of one kind, from when its first command was given until the next kind's, with that command. The last
 /// stretch has no end, and is left out.
-pub fn alike<'a, Kind: PartialEq>(
-    commands: &'a [Command],
+pub fn alike<Kind: PartialEq>(
+    commands: &[Command],
     kind: impl Fn(&Command) -> Kind,
-) -> impl Iterator<Item = (&'a Command, [f64; 2])> {
+) -> impl Iterator<Item = (&Command, [f64; 2])> {
     let changes = (0..commands.len()).filter(|i| *i == 0 || kind(&commands[*i]) != kind(&commands[i - 1]));
     let firsts: Vec<&Command> = changes.map(|i| &commands[i]).collect();
     let next = firsts.clone().into_iter().skip(1);
