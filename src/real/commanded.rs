@@ -55,14 +55,10 @@ impl Commanded {
     }
 }
 
-/// Stretches in which what is told is of one kind, from when its first command was given until the next kind's, with that command. The last
-/// stretch has no end, and is left out.
-pub fn alike<Kind: PartialEq>(
-    commands: &[Command],
-    kind: impl Fn(&Command) -> Kind,
-) -> impl Iterator<Item = (&Command, [f64; 2])> {
+/// Stretches in which what is told is of one kind: the first command of each, and from when it was given until one of another kind was. The
+/// last has no end, and is left out.
+pub fn of_a_kind<Kind: PartialEq>(commands: &[Command], kind: impl Fn(&Command) -> Kind) -> Vec<(&Command, [f64; 2])> {
     let changes = (0..commands.len()).filter(|i| *i == 0 || kind(&commands[*i]) != kind(&commands[i - 1]));
     let firsts: Vec<&Command> = changes.map(|i| &commands[i]).collect();
-    let next = firsts.clone().into_iter().skip(1);
-    firsts.into_iter().zip(next).map(|(first, next)| (first, [first.t_s, next.t_s]))
+    firsts.windows(2).map(|it| (it[0], [it[0].t_s, it[1].t_s])).collect()
 }

@@ -11,9 +11,9 @@ effect! {
     LateStart, "late_start",
     "Told to go after it was told to stand, the robot gathers way: its speed comes late, its turning does not.",
     Actuation, Timing, fits ["create"],
-    source "motion capture of MRCLAM data set 6 (Leung et al. 2011), 0.25 s and more after Creates are told to stand: speed comes 0.33 s after \
-            it is told (121 starts), and is gone 0.19 s after that (72 stops), turning begins 0.23 s after it is told, and as late \
-            where they were not told to stand before; half of the speed is lost within 0.1 s, and takes twice as long to come",
+    source "motion capture of MRCLAM data set 6 (Leung et al. 2011): after rests of 0.25 s and more speed comes 0.33 s after it is told (121 \
+            starts), by stops it is gone 0.19 s after they are told (72); it falls within 0.2 s, and rises within 0.4 s; turning comes \
+            0.23 s after it is told, after rests (42) as on the way (116)",
     drawn [start_s: Size { way: Up, least: 0.02, greatest: 0.4 }],
     {
         /// By so much later its speed comes.

@@ -8,7 +8,7 @@ use asami_sim::effects::slight_turns::is_slight;
 use super::robust::{Row, fitted};
 use super::steady::Proportions;
 use super::window;
-use crate::real::commanded::{Commanded, alike};
+use crate::real::commanded::{Commanded, of_a_kind};
 
 /// Told to stand for less it may not come to stand.
 const SHORTEST_S: f64 = 0.2;
@@ -45,9 +45,9 @@ impl Run {
     }
 }
 
-/// By how much later than it goes its speed comes, in seconds, after what is told. Beyond what it would have made by its proportions the robot makes the
-/// way that a stop comes late, at the speed before, and misses that which a start does, at the speed after. `None` of a robot that is hardly
-/// ever told to stand.
+/// By how much later than it goes its speed comes, in seconds, after what is told. Beyond what it would have made by its proportions the
+/// robot makes the way that a stop comes late, at the speed before, and misses that which a start does, at the speed after. `None` of a robot
+/// that is hardly ever told to stand.
 pub(super) fn late_start(given: &[Command], track: &[TruePose], ahead_rad: f64, does: &Proportions) -> Option<f64> {
     let watched = Watched { track, ahead_rad, commanded: Commanded::new(given, 0.0, 0.0), does };
     let runs = runs(given);
@@ -103,7 +103,10 @@ fn runs(commands: &[Command]) -> Vec<Run> {
         let [v, omega] = command.action.velocity()?;
         (omega == 0.0 || v != 0.0 && is_slight(omega)).then_some(v)
     };
-    alike(commands, told).map(|(first, [from_s, to_s])| Run { from_s, to_s, speed_m_per_s: told(first) }).collect()
+    of_a_kind(commands, told)
+        .into_iter()
+        .map(|(first, [from_s, to_s])| Run { from_s, to_s, speed_m_per_s: told(first) })
+        .collect()
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use asami_sim::effects::slight_turns::is_slight;
 
 use super::robust::{Row, fitted};
 use super::{LEAST, Window, window};
-use crate::real::commanded::{Commanded, alike};
+use crate::real::commanded::{Commanded, of_a_kind};
 
 /// What was told for less is done by then.
 const SETTLES_S: f64 = 0.7;
@@ -99,7 +99,7 @@ fn stretches(dataset: &Dataset) -> Vec<Stretch> {
         let [_, omega_rad_per_s] = first.action.velocity()?;
         Some(Stretch { made: made?, told: commanded.over(from_s, length_s), omega_rad_per_s })
     };
-    alike(commands, kind).filter_map(stretch).collect()
+    of_a_kind(commands, kind).into_iter().filter_map(stretch).collect()
 }
 
 #[cfg(test)]
