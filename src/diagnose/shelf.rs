@@ -1,6 +1,7 @@
 //! Response libraries and planted cases, made once and kept: in a folder for each nominal world, under its hash,
 //! a file for each part, so that what was stopped goes on.
 
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use asami_dataset::{Log, Seed};
@@ -24,6 +25,10 @@ const LEARNS_CARS: &str = env!("ASAMI_LEARNS_CARS");
 const WEIGHS: &str = env!("ASAMI_WEIGHS");
 /// Length of the runs that stand for a world, or an effect, in its hash.
 const PROBE_S: f64 = 3.0;
+/// The file of the nominal response.
+const NOMINAL: &str = "nominal.json";
+/// The file that is locked by who adds to a folder.
+const LOCK: &str = "learning.lock";
 /// Digits of a hash in names.
 const DIGITS: usize = 12;
 /// Seeds of calibration cases begin here: no case that is scored is ever given one of them.
@@ -81,7 +86,8 @@ impl Shelved {
 
 impl Shelf<'_> {
     /// The library of `nominal`, called `name`, for these kinds of effects: parts that are kept are read, the others
-    /// made, in parallel, and kept.
+    /// made, in parallel, and kept. Of several runs that lack the same one makes them, and the others wait for it: no task of a
+    /// pool may ask for a library, lest it wait for itself.
     ///
     /// # Errors
     /// [`CannotShelve`] where the world cannot be played, shows nothing, or a file cannot be written.
@@ -93,6 +99,8 @@ impl Shelf<'_> {
         });
         let places: Vec<(&Variant, PathBuf)> = places.collect::<Result<_, CannotShelve>>()?;
         let mark = hash(&format!("{WEIGHS} {:?}", places.iter().map(|(_, path)| path.file_name()).collect::<Vec<_>>()));
+        let lacks = !folder.join(NOMINAL).exists() || places.iter().any(|(_, path)| !path.exists());
+        let _turn = lacks.then(|| turn(&folder, self.listener));
         let budget = &self.budget;
         let library = if nominal.robot == Robot::Car {
             let base = self.base(&folder, || drive::Base::learn(nominal, budget))?;
@@ -115,7 +123,7 @@ impl Shelf<'_> {
         folder: &Path,
         learn: impl FnOnce() -> Result<B, CannotLearn>,
     ) -> Result<B, CannotShelve> {
-        let path = folder.join("nominal.json");
+        let path = folder.join(NOMINAL);
         if let Some(base) = kept(&path) {
             return Ok(base);
         }
@@ -191,6 +199,22 @@ fn hash(text: &str) -> String {
     blake3::hash(text.as_bytes()).to_hex()[..DIGITS].to_owned()
 }
 
+/// Waits until no other run adds to this folder, and keeps others from it for as long as what it returns is not dropped. `None` where
+/// files cannot be locked: then others may make the same at the same time, and make it alike.
+fn turn(folder: &Path, listener: &dyn Listener) -> Option<File> {
+    std::fs::create_dir_all(folder).ok()?;
+    let lock = File::create(folder.join(LOCK)).ok()?;
+    match lock.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => {
+            listener.says(&format!("another run is adding to {}: waiting for it", folder.display()));
+            lock.lock().ok()?;
+        }
+        Err(TryLockError::Error(_)) => return None,
+    }
+    Some(lock)
+}
+
 /// A part that is kept; one that cannot be read is as good as none: it is made anew.
 fn kept<T: DeserializeOwned>(path: &Path) -> Option<T> {
     serde_json::from_slice(&std::fs::read(path).ok()?).ok()
@@ -221,11 +245,12 @@ impl Shelved {
         let length_s = class_s(length_s);
         let folder = self.folder.join(format!("cases-{length_s}s-{}", self.mark));
         let path = |number: usize| folder.join(format!("{number:04}.json"));
-        let made = (1..).take_while(|number| path(*number).exists()).count();
-        let there = (1..=make).filter(|number| path(*number).exists()).count();
-        if there < make {
-            listener.begins("planted cases", there, make);
-            let missing: Vec<usize> = (1..=make).filter(|number| !path(*number).exists()).collect();
+        let missing = || (1..=make).filter(|number| !path(*number).exists()).collect::<Vec<_>>();
+        if !missing().is_empty() {
+            let _turn = turn(&folder, listener);
+            // Another run may have made them meanwhile.
+            let missing = missing();
+            listener.begins("planted cases", make - missing.len(), make);
             missing.into_par_iter().with_max_len(1).try_for_each(|number| {
                 let seed = Seed(FIRST_SEED + number as u64);
                 let cases = practise(nominal, &self.library, &self.variants, seed, length_s)?;
@@ -234,7 +259,8 @@ impl Shelved {
                 Ok::<(), CannotShelve>(())
             })?;
         }
-        Ok((1..=made.max(make)).filter_map(|number| kept::<Vec<Case>>(&path(number))).flatten().collect())
+        let made = (1..).map(path).take_while(|path| path.exists());
+        Ok(made.filter_map(|path| kept::<Vec<Case>>(&path)).flatten().collect())
     }
 }
 
@@ -248,6 +274,8 @@ fn class_s(length_s: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::mpsc;
+
     use asami_gap::weigh::causes::Evidence;
 
     use super::*;
@@ -289,5 +317,30 @@ mod tests {
         std::fs::write(&path, "{\"truth\": \"a\", \"evi").unwrap();
         assert_eq!(kept::<Case>(&path), None);
         assert_eq!(std::fs::read_dir(folder.path().join("deep")).unwrap().count(), 1);
+    }
+
+    /// Who comes second waits until the first is done, and says so.
+    #[test]
+    fn one_run_at_a_time_adds_to_a_folder() {
+        struct Heard(mpsc::Sender<String>);
+        impl Listener for Heard {
+            fn begins(&self, _: &str, _: usize, _: usize) {}
+            fn steps(&self) {}
+            fn says(&self, line: &str) {
+                self.0.send(line.to_owned()).unwrap();
+            }
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let (heard, lines) = mpsc::channel();
+        let first = turn(folder.path(), &Heard(heard.clone())).unwrap();
+        let (done, ends) = mpsc::channel();
+        std::thread::scope(|scope| {
+            scope.spawn(|| done.send(turn(folder.path(), &Heard(heard)).is_some()).unwrap());
+            assert!(lines.recv().unwrap().contains("waiting for it"));
+            assert!(ends.try_recv().is_err(), "it did not wait");
+            drop(first);
+            assert!(ends.recv().unwrap());
+        });
+        assert!(lines.try_recv().is_err(), "the first had nobody to wait for");
     }
 }
