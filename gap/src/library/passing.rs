@@ -16,11 +16,18 @@ const IN_TURNS: usize = 3;
 
 /// How effects pass through one another in a world of wheels.
 pub struct Passing<'a> {
-    columns: &'a Columns,
+    /// Of each of the curve's columns the nominal velocity, in shares of each axis's greatest.
+    nominal: &'a [[f64; 3]],
     /// Greatest nominal velocities, by axis.
     greatest: [f64; 3],
-    /// The columns that are the speed in turns.
-    in_turns: Range<usize>,
+    /// How many columns each axis has.
+    width: usize,
+    /// The curve's among them.
+    curve: Range<usize>,
+    /// Where those of what lingers begin: of velocities, and of the speed in turns.
+    lingering: [usize; 2],
+    /// Of the curve's columns the first that is the speed in turns, after all others.
+    last: usize,
 }
 
 /// Shares of what is delayed by two ages one after another, by the age that both are together.
@@ -31,11 +38,17 @@ impl<'a> Passing<'a> {
     #[must_use]
     pub fn new(columns: &'a Columns, base: &[f64]) -> Option<Self> {
         let in_turns = columns.in_turns().filter(|_| !columns.nominal().is_empty())?;
-        let curve = columns.range(Group::Curve);
-        let most = |axis: usize| {
-            base[axis * columns.len()..][curve.clone()].iter().fold(0.0, |most, it| f64::max(most, it.abs()))
-        };
-        Some(Self { columns, greatest: std::array::from_fn(most), in_turns })
+        let (width, curve) = (columns.len(), columns.range(Group::Curve));
+        let most =
+            |axis: usize| base[axis * width..][curve.clone()].iter().fold(0.0, |most, it| f64::max(most, it.abs()));
+        Some(Self {
+            nominal: columns.nominal(),
+            greatest: std::array::from_fn(most),
+            width,
+            lingering: [Group::Lingering, Group::Turning].map(|group| columns.range(group).start),
+            last: in_turns.start - curve.start,
+            curve,
+        })
     }
 
     /// Adds to a response, which has an effect's `change` in it beside the `others`', what comes of one passing through the other.
@@ -52,11 +65,12 @@ impl<'a> Passing<'a> {
 
     /// The number that says how much of a source's velocity at an age an axis has.
     fn at(&self, axis: usize, age: usize, source: usize) -> usize {
-        let of_axis = axis * self.columns.len();
-        match source {
-            IN_TURNS.. => of_axis + self.columns.range(Group::Turning).start + OF_TURNS * age + source - IN_TURNS,
-            _ => of_axis + self.columns.range(Group::Lingering).start + 3 * age + source,
-        }
+        let [of_velocities, of_turns] = self.lingering;
+        let column = match source {
+            IN_TURNS.. => of_turns + OF_TURNS * age + source - IN_TURNS,
+            _ => of_velocities + 3 * age + source,
+        };
+        axis * self.width + column
     }
 
     fn ages() -> usize {
@@ -71,26 +85,20 @@ impl<'a> Passing<'a> {
     /// What `then` makes at once of what `first` changes of velocities. Of two effects that scale, whose order does not matter, this
     /// is half of what comes of both; what is lost in a turn is lost of what was told, and only before.
     fn at_once(&self, then: &[f64], first: &[f64], numbers: &mut [f64]) {
-        let nominal = self.columns.nominal();
         for from in self.axes() {
             let sources = self.sources(first, from);
             for axis in self.axes() {
                 let share = self.sources(then, axis)[from] / self.greatest[from];
-                let of_axis = axis * self.columns.len() + self.columns.range(Group::Curve).start;
-                for (i, scaled) in nominal[..self.last()].iter().enumerate() {
+                let of_axis = axis * self.width + self.curve.start;
+                for (i, scaled) in self.nominal[..self.last].iter().enumerate() {
                     let of = self.axes().fold(0.0, |sum, source| sum + sources[source] * scaled[source]);
                     numbers[of_axis + i] += 0.5 * share * of;
                 }
-                for (number, source) in numbers[of_axis + self.last()..].iter_mut().zip(&sources[IN_TURNS..]) {
+                for (number, source) in numbers[of_axis + self.last..].iter_mut().zip(&sources[IN_TURNS..]) {
                     *number += share * source;
                 }
             }
         }
-    }
-
-    /// Of the columns of a curve the first that is the speed in turns, after all others.
-    fn last(&self) -> usize {
-        self.in_turns.start - self.columns.range(Group::Curve).start
     }
 
     /// What `curved` changes of velocities, as late as `lingering` is.
@@ -110,12 +118,11 @@ impl<'a> Passing<'a> {
 
     /// What an axis's curve changes by, as so much of each source: the least squares over the curve's columns.
     fn sources(&self, change: &[f64], axis: usize) -> [f64; SOURCES] {
-        let curve = &change[axis * self.columns.len()..][self.columns.range(Group::Curve)];
-        let (last, nominal) = (self.last(), self.columns.nominal());
+        let (curve, last) = (&change[axis * self.width..][self.curve.clone()], self.last);
         let mut sources = [0.0; SOURCES];
         // Axes have columns of their own, but for what a wheel makes of both.
         for source in self.axes() {
-            let of = |i: &usize| nominal[*i][source];
+            let of = |i: &usize| self.nominal[*i][source];
             let within = (0..last).filter(|i| of(i) != 0.0);
             let (product, square) =
                 within.fold((0.0, 0.0), |(product, square), i| (product + curve[i] * of(&i), square + of(&i) * of(&i)));
@@ -135,6 +142,10 @@ impl<'a> Passing<'a> {
                 for axis in self.axes() {
                     for i in 0..ages {
                         let share = then[self.at(axis, i, from)];
+                        // Most effects let nothing linger.
+                        if share == 0.0 {
+                            continue;
+                        }
                         for (j, of) in lets.iter().enumerate() {
                             let product = share * of;
                             for (m, both) in BOTH[i][j].iter().enumerate() {
@@ -211,7 +222,7 @@ mod tests {
 
     /// A change by which so much of every axis's velocity comes later, by age.
     fn late(passing: &Passing<'_>, by_age: &[(usize, f64)]) -> Vec<f64> {
-        let mut change = vec![0.0; 3 * passing.columns.len()];
+        let mut change = vec![0.0; 3 * passing.width];
         for (age, share) in by_age {
             for axis in passing.axes() {
                 change[passing.at(axis, *age, axis)] = share * passing.greatest[axis];
@@ -232,7 +243,7 @@ mod tests {
         // Of ages from 0.2 to 0.3 s.
         let delay = late(&passing, &[(4, 1.0)]);
         let mut loss = vec![0.0; base.len()];
-        loss[FORWARD * columns.len() + passing.in_turns.start] = -0.08;
+        loss[FORWARD * columns.len() + passing.curve.start + passing.last] = -0.08;
         let slow = plus(&base, &loss);
         let both = plus(&slow, &delay);
         let mut passed = both.clone();
@@ -261,7 +272,7 @@ mod tests {
         let passing = Passing::new(&columns, &base).unwrap();
         let of_forward = columns.len()..2 * columns.len();
         let mut loss = vec![0.0; base.len()];
-        loss[of_forward.start + passing.in_turns.start] = -0.08;
+        loss[of_forward.start + passing.curve.start + passing.last] = -0.08;
         let scaled: Vec<f64> = base.iter().map(|number| 0.25 * number).collect();
         let slow = plus(&base, &loss);
         let truth: Vec<f64> = slow.iter().map(|number| 1.25 * number).collect();
