@@ -46,7 +46,8 @@ struct Ready<'a> {
     size: Range<usize>,
     bearing: Range<usize>,
     moved: Vec<[f64; 2]>,
-    width: usize,
+    /// What each of the motion's columns moves the robot by: right, forwards, counter-clockwise.
+    motion: Vec<[f64; 3]>,
     heading: usize,
     variances: Vec<f64>,
     size_vars: Vec<f64>,
@@ -123,13 +124,14 @@ impl<'a> Ready<'a> {
     fn new(&Walk { shape, numbers, memory, kalman, .. }: &Walk<'a>) -> Self {
         let part = |group| &numbers[shape.range(group)];
         let squares = |group| part(group).iter().map(|it| exp(2.0 * it)).collect::<Vec<_>>();
+        let (motion, width) = (part(Numbers::Motion), shape.columns.len());
         Self {
             shape,
             numbers,
             size: shape.range(Numbers::Size),
             bearing: shape.range(Numbers::Bearing),
             moved: (0..shape.landmarks).map(|landmark| shape.moved(numbers, landmark)).collect(),
-            width: shape.columns.len(),
+            motion: (0..width).map(|column| std::array::from_fn(|axis| motion[axis * width + column])).collect(),
             heading: shape.columns.range(Group::Heading).start,
             variances: part(Numbers::MotionNoise).iter().map(|it| exp(*it)).collect(),
             size_vars: squares(Numbers::SizeNoise),
@@ -153,13 +155,13 @@ impl<'a> Ready<'a> {
         let mut moved = [0.0; 3];
         for &(column, value) in view.row(i) {
             // The row holds how much, and how fast, the robot moves where the cosines' columns are; the sines' are empty.
-            let turns = column == self.heading || column == self.heading + 2;
-            for (axis, moved) in moved.iter_mut().enumerate() {
-                let at = axis * self.width + column;
-                let turned = if turns { self.numbers[at + 1] * sin } else { 0.0 };
-                let share = if turns { cos } else { 1.0 };
-                *moved += value * (self.numbers[at] * share + turned);
-            }
+            let of = if column == self.heading || column == self.heading + 2 {
+                let [along, across] = [self.motion[column], self.motion[column + 1]];
+                std::array::from_fn(|axis| along[axis] * cos + across[axis] * sin)
+            } else {
+                self.motion[column]
+            };
+            moved.iter_mut().zip(of).for_each(|(moved, of)| *moved += value * of);
         }
         moved.map(|it| view.steps[i].dt_s * it)
     }
