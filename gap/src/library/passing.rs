@@ -53,6 +53,10 @@ impl<'a> Passing<'a> {
 
     /// Adds to a response, which has an effect's `change` in it beside the `others`', what comes of one passing through the other.
     pub fn add(&self, others: &[f64], change: &[f64], numbers: &mut [f64]) {
+        // What is seen otherwise is passed on by nothing.
+        if [others, change].iter().any(|it| it[..3 * self.width].iter().all(|number| *number == 0.0)) {
+            return;
+        }
         let mut at_once = vec![0.0; change.len()];
         self.at_once(others, change, &mut at_once);
         self.at_once(change, others, &mut at_once);
@@ -142,10 +146,6 @@ impl<'a> Passing<'a> {
                 for axis in self.axes() {
                     for i in 0..ages {
                         let share = then[self.at(axis, i, from)];
-                        // Most effects let nothing linger.
-                        if share == 0.0 {
-                            continue;
-                        }
                         for (j, of) in lets.iter().enumerate() {
                             let product = share * of;
                             for (m, both) in BOTH[i][j].iter().enumerate() {
