@@ -6,6 +6,7 @@
 
 use asami_math::elementary::{exp, ln};
 use asami_sim::effect::{Block, Place};
+use rayon::prelude::*;
 
 use super::kin::Kin;
 use super::starts::About;
@@ -309,7 +310,8 @@ pub(super) fn further(judge: &dyn Judge, least: &Least, about: &About, likely: f
         it.evidence_nats = it.gain_nats + paid;
         (it, settled)
     };
-    let mut tried: Vec<(Weighed, Settled)> = worth.into_iter().take(TRIED).map(try_it).collect();
+    worth.truncate(TRIED);
+    let mut tried: Vec<(Weighed, Settled)> = worth.into_par_iter().with_max_len(1).map(try_it).collect();
     tried.sort_by(|a, b| b.0.evidence_nats.total_cmp(&a.0.evidence_nats));
     tried
 }
@@ -323,6 +325,8 @@ pub(super) fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
     let mut counts = vec![1.0; all.len()];
     for _ in 0..STEPS {
         let scores: Vec<Vec<f64>> = (0..all.len())
+            .into_par_iter()
+            .with_max_len(1)
             .map(|i| {
                 let mut beside = all.clone();
                 // Towards the inside of the law.

@@ -3,6 +3,7 @@
 //! The prior of sizes is the law by which cases are planted: log-uniform from the least to the greatest.
 
 use asami_math::elementary::{exp, ln};
+use rayon::prelude::*;
 
 use crate::judge::Judge;
 use crate::plant::{Planted, Variant};
@@ -114,23 +115,24 @@ pub fn weigh(judge: &dyn Judge, variants: &[Variant], with: &[Planted], look: Lo
         let likely = judge.beside(&judge.numbers(&[with, &[planted]].concat()), &pace) - pace.total();
         if likely.is_finite() { likely } else { f64::NEG_INFINITY }
     };
-    let mut effects: Vec<(&'static str, Vec<Tried>)> = Vec::new();
-    for variant in variants.iter().filter(|variant| judge.knows(variant)) {
+    let known: Vec<&Variant> = variants.iter().filter(|variant| judge.knows(variant)).collect();
+    let tried = known.into_par_iter().with_max_len(1).map(|variant| {
         let (least, greatest) = variant.sizes();
         let at = |i: usize| ln(least) + ln(greatest / least) * i as f64 / (look.sizes - 1) as f64;
         let points = (0..look.sizes).map(|i| (at(i), gain(variant, at(i)))).collect();
-        let tried = Tried { variant: variant.clone(), points };
-        match effects.iter_mut().find(|(name, _)| *name == variant.about.name) {
+        Tried { variant: variant.clone(), points }
+    });
+    let mut effects: Vec<(&'static str, Vec<Tried>)> = Vec::new();
+    for tried in tried.collect::<Vec<_>>() {
+        match effects.iter_mut().find(|(name, _)| *name == tried.variant.about.name) {
             Some((_, kinds)) => kinds.push(tried),
-            None => effects.push((variant.about.name, vec![tried])),
+            None => effects.push((tried.variant.about.name, vec![tried])),
         }
     }
     let top = effects.iter().flat_map(|(_, kinds)| kinds).map(|kind| kind.best().1).fold(f64::NEG_INFINITY, f64::max);
-    for kind in effects.iter_mut().flat_map(|(_, kinds)| kinds) {
-        if kind.best().1 > (top - look.within_nats).max(look.least_nats) {
-            refine(kind, &gain);
-        }
-    }
+    let promises = |kind: &&mut Tried| kind.best().1 > (top - look.within_nats).max(look.least_nats);
+    let promising: Vec<&mut Tried> = effects.iter_mut().flat_map(|(_, kinds)| kinds).filter(promises).collect();
+    promising.into_par_iter().with_max_len(1).for_each(|kind| refine(kind, &gain));
     effects.into_iter().filter_map(|(effect, kinds)| summary(effect, &kinds)).collect()
 }
 
