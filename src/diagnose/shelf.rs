@@ -275,6 +275,7 @@ fn class_s(length_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use std::sync::mpsc;
+    use std::time::Duration;
 
     use asami_gap::weigh::causes::Evidence;
 
@@ -337,7 +338,7 @@ mod tests {
         std::thread::scope(|scope| {
             scope.spawn(|| done.send(turn(folder.path(), &Heard(heard)).is_some()).unwrap());
             assert!(lines.recv().unwrap().contains("waiting for it"));
-            assert!(ends.try_recv().is_err(), "it did not wait");
+            assert!(ends.recv_timeout(Duration::from_millis(100)).is_err(), "it did not wait");
             drop(first);
             assert!(ends.recv().unwrap());
         });
