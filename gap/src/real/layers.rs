@@ -6,7 +6,6 @@
 
 use asami_math::elementary::{exp, ln};
 use asami_sim::effect::{Block, Place};
-use rayon::prelude::*;
 
 use super::kin::Kin;
 use super::starts::About;
@@ -14,6 +13,7 @@ use super::unsure::{blocks, sized};
 use crate::judge::Judge;
 use crate::newton::{Curvature, climb};
 use crate::plant::{Planted, Variant};
+use crate::weigh::cores::on_free_cores;
 use crate::weigh::evidence::{CLOSE, Weighed, weigh};
 use crate::weigh::groups::Signature;
 
@@ -311,7 +311,7 @@ pub(super) fn further(judge: &dyn Judge, least: &Least, about: &About, likely: f
         (it, settled)
     };
     worth.truncate(TRIED);
-    let mut tried: Vec<(Weighed, Settled)> = worth.into_par_iter().with_max_len(1).map(try_it).collect();
+    let mut tried: Vec<(Weighed, Settled)> = on_free_cores(worth, try_it);
     tried.sort_by(|a, b| b.0.evidence_nats.total_cmp(&a.0.evidence_nats));
     tried
 }
@@ -324,18 +324,13 @@ pub(super) fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
     let mut here = terms(&all);
     let mut counts = vec![1.0; all.len()];
     for _ in 0..STEPS {
-        let scores: Vec<Vec<f64>> = (0..all.len())
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|i| {
-                let mut beside = all.clone();
-                // Towards the inside of the law.
-                let h =
-                    if ln(all[i].size) + DIFFERENCE > ln(all[i].variant.sizes().1) { -DIFFERENCE } else { DIFFERENCE };
-                beside[i].size *= exp(h);
-                terms(&beside).iter().zip(&here).map(|(there, here)| (there - here) / h).collect()
-            })
-            .collect();
+        let scores: Vec<Vec<f64>> = on_free_cores((0..all.len()).collect(), |i| {
+            let mut beside = all.clone();
+            // Towards the inside of the law.
+            let h = if ln(all[i].size) + DIFFERENCE > ln(all[i].variant.sizes().1) { -DIFFERENCE } else { DIFFERENCE };
+            beside[i].size *= exp(h);
+            terms(&beside).iter().zip(&here).map(|(there, here)| (there - here) / h).collect()
+        });
         let Some(curvature) = Curvature::new(&scores, NEXT_TO_NOTHING) else { break };
         let step = curvature.step(&scores.iter().map(|score| total(score)).collect::<Vec<f64>>());
         let by_block = curvature.variances_by_block(&scores, &block).into_iter();

@@ -3,8 +3,8 @@
 //! The prior of sizes is the law by which cases are planted: log-uniform from the least to the greatest.
 
 use asami_math::elementary::{exp, ln};
-use rayon::prelude::*;
 
+use super::cores::on_free_cores;
 use crate::judge::Judge;
 use crate::plant::{Planted, Variant};
 use crate::race::Pace;
@@ -116,14 +116,14 @@ pub fn weigh(judge: &dyn Judge, variants: &[Variant], with: &[Planted], look: Lo
         if likely.is_finite() { likely } else { f64::NEG_INFINITY }
     };
     let known: Vec<&Variant> = variants.iter().filter(|variant| judge.knows(variant)).collect();
-    let tried = known.into_par_iter().with_max_len(1).map(|variant| {
+    let tried = on_free_cores(known, |variant| {
         let (least, greatest) = variant.sizes();
         let at = |i: usize| ln(least) + ln(greatest / least) * i as f64 / (look.sizes - 1) as f64;
         let points = (0..look.sizes).map(|i| (at(i), gain(variant, at(i)))).collect();
         Tried { variant: variant.clone(), points }
     });
     let mut effects: Vec<(&'static str, Vec<Tried>)> = Vec::new();
-    for tried in tried.collect::<Vec<_>>() {
+    for tried in tried {
         match effects.iter_mut().find(|(name, _)| *name == tried.variant.about.name) {
             Some((_, kinds)) => kinds.push(tried),
             None => effects.push((tried.variant.about.name, vec![tried])),
@@ -132,7 +132,7 @@ pub fn weigh(judge: &dyn Judge, variants: &[Variant], with: &[Planted], look: Lo
     let top = effects.iter().flat_map(|(_, kinds)| kinds).map(|kind| kind.best().1).fold(f64::NEG_INFINITY, f64::max);
     let promises = |kind: &&mut Tried| kind.best().1 > (top - look.within_nats).max(look.least_nats);
     let promising: Vec<&mut Tried> = effects.iter_mut().flat_map(|(_, kinds)| kinds).filter(promises).collect();
-    promising.into_par_iter().with_max_len(1).for_each(|kind| refine(kind, &gain));
+    on_free_cores(promising, |kind| refine(kind, &gain));
     effects.into_iter().filter_map(|(effect, kinds)| summary(effect, &kinds)).collect()
 }
 

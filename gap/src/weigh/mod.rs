@@ -2,6 +2,7 @@
 //! in here (`tests/arrows.rs`): libraries outlive any change of it, planted cases do not.
 
 pub mod causes;
+pub(crate) mod cores;
 pub mod evidence;
 pub mod findings;
 pub mod groups;
