@@ -1,4 +1,4 @@
-//! How likely bearings are where commands are taken up in cycles, and where they are not.
+//! How likely bearings are where commands are taken up in cycles, and where they are not; and when those cycles are.
 
 use asami_dataset::{Command, Log};
 use asami_math::elementary::ln;
@@ -6,6 +6,7 @@ use asami_math::wandering::{Phases, phases};
 use rayon::prelude::*;
 
 use super::Cycle;
+use super::habits::{Habits, turns};
 use crate::real::clock::usual;
 use crate::real::commanded::Commanded;
 use crate::real::pairs::Pair;
@@ -19,6 +20,9 @@ const TURNS_RAD: f64 = 0.01;
 /// Where there is no cycle: delays and lags are tried so far apart, and so many besides none.
 const LAGS_APART_S: f64 = 0.05;
 const LAGS: u8 = 8;
+/// Habits are looked at so often at most, and no more where that says less of bearings, in nats.
+const ROUNDS: usize = 20;
+const SETTLED_NATS: f64 = 0.1;
 
 /// What a log shows.
 pub struct Evidence<'a> {
@@ -125,7 +129,28 @@ impl<'a> Evidence<'a> {
 
     /// How likely they are by a cycle, and what they say of its phase.
     pub fn by_cycle(&self, cycle: &Cycle) -> Phases<PHASES> {
-        let Cycle { period_s, late_s, turns, wanders, off_rad } = *cycle;
+        phases(&self.of_bearings(cycle), cycle.wanders)
+    }
+
+    /// What they say of it together with how long turns are told for, by habits that both show. Without those it is what `found` says.
+    pub fn by_habits(&self, cycle: &Cycle, mut found: Phases<PHASES>) -> Phases<PHASES> {
+        let turns = turns(self.commands, cycle.period_s);
+        let of_bearings = self.of_bearings(cycle);
+        for _ in 0..ROUNDS {
+            let habits = Habits::learn(&turns, self.from_s, cycle.period_s, &found.probable);
+            let mut evidence = of_bearings.clone();
+            habits.add(&turns, self.from_s, cycle.period_s, &mut evidence);
+            let before = std::mem::replace(&mut found, phases(&evidence, cycle.wanders));
+            if (found.log_likelihood - before.log_likelihood).abs() < SETTLED_NATS {
+                break;
+            }
+        }
+        found
+    }
+
+    /// The logarithm of how likely bearings are, cycle by cycle, at each phase.
+    fn of_bearings(&self, cycle: &Cycle) -> Vec<[f64; PHASES]> {
+        let Cycle { period_s, late_s, turns, off_rad, .. } = *cycle;
         let ends_s = self.ends_s();
         let held: Vec<Held> = (0..PHASES).map(|phase| Held::new(self.commands, ends_s, period_s, phase)).collect();
         let cycles = ((ends_s[1] - ends_s[0]) / period_s) as usize + 1;
@@ -138,7 +163,7 @@ impl<'a> Evidence<'a> {
                 *evidence += likely(seen + turns * (held.turned_rad(b_s) - held.turned_rad(a_s)), off_rad);
             }
         }
-        phases(&evidence, wanders)
+        evidence
     }
 
     /// The likeliest of several cycles, and how likely it makes bearings.

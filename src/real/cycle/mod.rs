@@ -3,9 +3,12 @@
 //!
 //! Nobody writes down when the looks are; a cycle takes as long as it takes, so that their phase wanders. From one sighting of a landmark
 //! to the next its bearing turns by as much as the robot does, and that hangs on the phase: a hidden Markov chain
-//! ([`asami_math::wandering`]) says at every look how probable each phase is, and with it which command was in force.
+//! ([`asami_math::wandering`]) says at every look how probable each phase is, and with it which command was in force. Where who drives ends
+//! turns so long after they were taken up, how long they are told for says when looks are, too (`habits`); but whether there is a cycle at
+//! all, and how long it is, is for bearings alone to say.
 
 mod evidence;
+mod habits;
 
 use asami_dataset::{Action, Command, Log};
 
@@ -86,7 +89,7 @@ impl Heard {
     fn told(&self, log: &Log, whose: &str) -> Told {
         let Self { cycle: Cycle { period_s, wanders, .. }, nats, by_chance_nats, .. } = self;
         let said = format!(
-            "commands are taken up once in {period_s:.4} s{whose}, give or take {:.4} s: each is given as it was, as far as bearings tell \
+            "commands are taken up once in {period_s:.4} s{whose}, give or take {:.4} s: each is given as it was, as far as bearings and how long turns are told for tell \
              ({nats:.0} nats over any delay and lag, cycles of another length {by_chance_nats:.0})",
             period_s * wanders
         );
@@ -157,7 +160,7 @@ fn heard_within(log: &Log, about_s: f64, within: f64) -> Option<Heard> {
     let by_chance = evidence.likeliest(others.collect()).0;
     let found = evidence.by_cycle(&cycle);
     let (nats, by_chance_nats) = (found.log_likelihood - none, by_chance - none);
-    Some(Heard { cycle, nats, by_chance_nats, phases: found.probable })
+    Some(Heard { cycle, nats, by_chance_nats, phases: evidence.by_habits(&cycle, found).probable })
 }
 
 /// From the least to the greatest.

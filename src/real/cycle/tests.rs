@@ -20,27 +20,53 @@ fn log(cycles: bool, seed: u64) -> (Log, Vec<f64>) {
 
 /// The same with cycles that are longer or shorter by this share, and bearings that are so far off.
 fn worse(cycles: bool, seed: u64, wanders: f64, off_rad: f64) -> (Log, Vec<f64>) {
+    let driver = if cycles { Driver::Whenever } else { Driver::Lagging };
+    driven(driver, seed, wanders, off_rad)
+}
+
+/// Who tells the robot to turn.
+#[derive(Clone, Copy, PartialEq)]
+enum Driver {
+    /// For anything between 0.05 and 0.6 s; its wheels have no cycles.
+    Lagging,
+    /// The same of one whose wheels have.
+    Whenever,
+    /// Until 0.12 s, give or take 0.03 s, after the look that takes the turn up, and at times until a look later.
+    Reacting,
+}
+
+fn driven(driver: Driver, seed: u64, wanders: f64, off_rad: f64) -> (Log, Vec<f64>) {
     let mut rng = Seed(seed).stream("cycle");
+    let mut looks_s = vec![0.1];
+    while looks_s[looks_s.len() - 1] < LENGTH_S + 2.0 {
+        let cycle_s = PERIOD_S * (1.0 + wanders * rng.sample::<f64, _>(StandardNormal));
+        looks_s.push(looks_s[looks_s.len() - 1] + cycle_s);
+    }
     let (mut commands, mut t_s) = (Vec::new(), 0.0);
     while t_s < LENGTH_S {
-        for (omega_rad_per_s, least_s, most_s) in
-            [(0.0, 0.3, 1.5), (if rng.random::<bool>() { 0.4 } else { -0.4 }, 0.05, 0.6)]
-        {
+        for omega_rad_per_s in [0.0, if rng.random::<bool>() { 0.4 } else { -0.4 }] {
             commands.push(Command { t_s, action: Action::Wheels { id: None, v_m_per_s: 0.0, omega_rad_per_s } });
-            t_s += least_s + (most_s - least_s) * rng.random::<f64>();
+            t_s = match driver {
+                _ if omega_rad_per_s == 0.0 => t_s + 0.3 + 1.2 * rng.random::<f64>(),
+                Driver::Reacting => {
+                    let look = looks_s.partition_point(|it| *it < t_s) + usize::from(rng.random::<f64>() < 0.2);
+                    looks_s[look] + 0.12 + 0.03 * rng.sample::<f64, _>(StandardNormal)
+                }
+                _ => t_s + 0.05 + 0.55 * rng.random::<f64>(),
+            };
         }
     }
     let told =
         |t_s: f64| commands[commands.partition_point(|it| it.t_s <= t_s).max(1) - 1].action.velocity().unwrap()[1];
-    let (mut headings, mut heading, mut omega, mut look_s) = (Vec::new(), 0.0, 0.0, 0.1);
+    let (mut headings, mut heading, mut omega, mut look) = (Vec::new(), 0.0, 0.0, 0);
     for step in 0..(LENGTH_S / STEP) as usize {
         let t_s = step as f64 * STEP;
         headings.push(heading);
-        if !cycles {
+        if driver == Driver::Lagging {
             omega += (1.0 - exp(-STEP / 0.2)) * (told(t_s) - omega);
-        } else if t_s >= look_s + LATE_S {
-            omega = told(look_s);
-            look_s += PERIOD_S * (1.0 + wanders * rng.sample::<f64, _>(StandardNormal));
+        } else if t_s >= looks_s[look] + LATE_S {
+            omega = told(looks_s[look]);
+            look += 1;
         }
         heading += STEP * omega;
     }
@@ -65,6 +91,38 @@ fn worse(cycles: bool, seed: u64, wanders: f64, off_rad: f64) -> (Log, Vec<f64>)
     (Log { commands: commands.into(), sightings: sightings.into(), known: known.into(), ..Log::default() }, headings)
 }
 
+/// How far off turns within 0.3 s are by commands that act behind a lag and a delay.
+fn off_rad(log: &Log, headings: &[f64], lag_s: f64, delay_s: f64) -> f64 {
+    let turning = crate::real::commanded::Commanded::new(&log.commands, lag_s, 1.0);
+    let one = |k: usize| {
+        let (a, b) = (300 * k / 10, 300 * k / 10 + 30);
+        let told = turning.over(a as f64 * STEP - delay_s, 30.0 * STEP)[1];
+        (headings[b] - headings[a] - told).powi(2)
+    };
+    ((10..1900).map(one).sum::<f64>() / 1890.0).sqrt()
+}
+
+/// How far off turns are by commands as they were taken up, by bearings alone and by habits as well.
+fn off_by_habits(driver: Driver, seed: u64) -> [f64; 2] {
+    let (log, headings) = driven(driver, seed, 0.04, 0.02);
+    let found = heard(&log, 0.2).unwrap();
+    let by_bearings = evidence::Evidence::of(&log).unwrap().by_cycle(&found.cycle).probable;
+    [Heard { phases: by_bearings, ..found.clone() }, found]
+        .map(|it| off_rad(&it.taken_up(&log), &headings, 0.0, it.cycle.late_s))
+}
+
+/// Where who drives reacts to what the robot does, how long it is told to turn says when that was taken up; where it does not, nothing is
+/// made of it.
+#[test]
+fn who_reacts_shows_when_the_looks_are() {
+    for seed in 21..25 {
+        let [alone, both] = off_by_habits(Driver::Reacting, seed);
+        assert!(both < 0.75 * alone, "{seed}: {both}, by bearings alone {alone}");
+        let [alone, both] = off_by_habits(Driver::Whenever, seed);
+        assert!(both < 1.05 * alone, "{seed}: {both}, by bearings alone {alone}");
+    }
+}
+
 /// Length and lateness are those of the robot's software; commands as they were taken up turn the robot as it turned, twice as well as
 /// those that were given do behind the lag that suits them best.
 #[test]
@@ -74,15 +132,7 @@ fn a_cycle_is_heard_and_commands_are_given_as_they_were_taken_up() {
     let Cycle { period_s, late_s, turns, .. } = found.cycle;
     assert!(found.is_told() && found.nats > 100.0, "{found:?}");
     assert!((period_s / PERIOD_S - 1.0).abs() < 0.01 && (late_s - LATE_S).abs() < 0.03 && (turns - 1.0).abs() < 0.05);
-    let off = |log: &Log, lag_s: f64, delay_s: f64| {
-        let turning = crate::real::commanded::Commanded::new(&log.commands, lag_s, 1.0);
-        let one = |k: usize| {
-            let (a, b) = (300 * k / 10, 300 * k / 10 + 30);
-            let told = turning.over(a as f64 * STEP - delay_s, 30.0 * STEP)[1];
-            (headings[b] - headings[a] - told).powi(2)
-        };
-        ((10..1900).map(one).sum::<f64>() / 1890.0).sqrt()
-    };
+    let off = |log: &Log, lag_s: f64, delay_s: f64| off_rad(log, &headings, lag_s, delay_s);
     let given = (0..10).flat_map(|lag| (0..10).map(move |delay| [0.04 * f64::from(lag), 0.04 * f64::from(delay)]));
     let given = given.map(|[lag_s, delay_s]| off(&log, lag_s, delay_s)).fold(f64::INFINITY, f64::min);
     let taken = off(&found.taken_up(&log), 0.0, late_s);
@@ -106,7 +156,7 @@ fn what_is_no_cycle_is_not_taken_for_one() {
 /// that lag does not.
 #[test]
 fn others_of_its_make_say_how_long_a_cycle_is() {
-    let (log_of_some, _) = worse(true, 1, 0.05, 0.025);
+    let (log_of_some, _) = worse(true, 3, 0.05, 0.025);
     let some = log_of_some.window(0.0..300.0);
     assert_eq!(taken_up(&some, 0.2).period_s, None);
     let told = taken_up_like_others(&some, PERIOD_S).unwrap();
