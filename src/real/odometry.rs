@@ -8,7 +8,7 @@
 use asami_dataset::{Action, Channel, Command, Frame, Log};
 
 use super::clock::dated;
-use super::cycle::{taken_up, taken_up_like_others};
+use super::cycle::{dated_like_others, taken_up, taken_up_like_others};
 
 /// What is made of a real log before it is diagnosed: in this order, where it is said.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,6 +36,15 @@ pub struct Clocks {
     pub command_cycle_s: Option<f64>,
 }
 
+/// What the logs of others of a make tell of such clocks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OfOthers {
+    /// From each picture to the next.
+    pub picture_s: Option<f64>,
+    /// From one look for commands to the next.
+    pub cycle_s: Option<f64>,
+}
+
 impl Readied {
     /// The same without the robot's own clocks: what it was told, and saw, as it was dated.
     #[must_use]
@@ -46,12 +55,12 @@ impl Readied {
     /// The log so made, and what became of its clocks.
     #[must_use]
     pub fn of(self, log: &Log) -> (Log, Clocks) {
-        self.of_make(log, None)
+        self.of_make(log, OfOthers::default())
     }
 
-    /// The same of a robot of a make of which others' logs tell how long a cycle is, whatever its own does.
+    /// The same of a robot of a make of which others' logs tell what its own may not.
     #[must_use]
-    pub fn of_make(self, log: &Log, cycle_of_others_s: Option<f64>) -> (Log, Clocks) {
+    pub fn of_make(self, log: &Log, others: OfOthers) -> (Log, Clocks) {
         let (mut made, mut clocks) = (log.clone(), Clocks::default());
         if let Some(over_s) = self.average_s {
             made = averaged(&made, over_s);
@@ -61,12 +70,18 @@ impl Readied {
         }
         if let Some(hz) = self.camera_hz {
             let told = dated(&made, hz);
+            let both = others.picture_s.zip(others.cycle_s.filter(|_| self.command_cycle_s.is_some()));
+            let like_others = both.filter(|_| told.period_s.is_none());
+            let told = like_others
+                .and_then(|(picture_s, cycle_s)| dated_like_others(&made, picture_s, cycle_s))
+                .unwrap_or(told);
             (made, clocks.picture_period_s) = (told.log, told.period_s);
             clocks.said.push(told.said);
         }
         if let Some(about_s) = self.command_cycle_s {
-            let like_others = cycle_of_others_s.and_then(|of_others_s| taken_up_like_others(&made, of_others_s));
-            let told = like_others.unwrap_or_else(|| taken_up(&made, about_s));
+            let told = taken_up(&made, about_s);
+            let like_others = others.cycle_s.filter(|_| told.period_s.is_none());
+            let told = like_others.and_then(|cycle_s| taken_up_like_others(&made, cycle_s)).unwrap_or(told);
             (made, clocks.command_cycle_s) = (told.log, told.period_s);
             clocks.said.push(told.said);
         }

@@ -20,7 +20,7 @@ use super::capture::steering::of_car;
 use super::capture::{Capture, capture};
 use super::kept::Kept;
 use super::learning::{Lesson, lessons};
-use super::odometry::Clocks;
+use super::odometry::{Clocks, OfOthers};
 use super::scanner::{self, Checked};
 use super::scenario::{Real, Source};
 use super::tables::said;
@@ -237,15 +237,20 @@ fn imported(source: &Source, robot: Option<u16>, path: &Path) -> Result<Imported
     }
 }
 
-/// Has a robot whose own log does not tell how long its cycle is take commands up in cycles as long as those of others of its make, where three
-/// and more tell theirs and its log tells when such are.
+/// Has a robot whose own log does not tell its clocks have such as others of its make have, where three and more tell theirs and its log tells
+/// when such clocks strike.
 fn like_others(source: &Source, datasets: &mut [(&Source, Option<u16>, Imported)]) {
-    let of_make = || datasets.iter().filter(|it| it.0.name == source.name);
-    let told_s: Vec<f64> = of_make().filter_map(|it| it.2.clocks.command_cycle_s).collect();
-    let Some(of_others_s) = median(&told_s).filter(|_| told_s.len() >= LEAST) else { return };
+    let of_make = || datasets.iter().filter(|it| it.0.name == source.name).map(|it| &it.2.clocks);
+    let told = |period_s: fn(&Clocks) -> Option<f64>| {
+        let told_s: Vec<f64> = of_make().filter_map(period_s).collect();
+        median(&told_s).filter(|_| told_s.len() >= LEAST)
+    };
+    let others = OfOthers { picture_s: told(|it| it.picture_period_s), cycle_s: told(|it| it.command_cycle_s) };
     for (_, _, imported) in datasets.iter_mut().filter(|it| it.0.name == source.name) {
-        if imported.clocks.command_cycle_s.is_none() {
-            (imported.dataset.log, imported.clocks) = source.readied().of_make(&imported.given, Some(of_others_s));
+        let Clocks { picture_period_s, command_cycle_s, .. } = imported.clocks;
+        let lacks_either = [(picture_period_s, others.picture_s), (command_cycle_s, others.cycle_s)];
+        if lacks_either.iter().any(|(own, of_others)| own.is_none() && of_others.is_some()) {
+            (imported.dataset.log, imported.clocks) = source.readied().of_make(&imported.given, others);
         }
     }
 }

@@ -1,13 +1,13 @@
 //! How likely bearings are where commands are taken up in cycles, and where they are not; and when those cycles are.
 
-use asami_dataset::{Command, Log};
+use asami_dataset::{Command, Log, Sighting};
 use asami_math::elementary::ln;
 use asami_math::wandering::{Phases, phases};
 use rayon::prelude::*;
 
 use super::Cycle;
 use super::habits::{Habits, turns};
-use crate::real::clock::usual;
+use crate::real::clock::{Clock, usual};
 use crate::real::commanded::Commanded;
 use crate::real::pairs::Pair;
 
@@ -91,6 +91,12 @@ impl<'a> Evidence<'a> {
         let aside = |pair: &Pair| pair.aside_rad(pair.at_s().map(|t_s| turning.over(t_s - 0.1, 0.1)[0] / 0.1));
         let straight_rad = usual(straight.iter().map(|pair| pair.turned_rad() - aside(pair)));
         (turn.len() >= LEAST && straight.len() >= LEAST).then_some(Self { commands, from_s, pairs: turn, straight_rad })
+    }
+
+    /// The same of what was seen if pictures were taken by a clock.
+    pub fn seen_by(&self, clock: &Clock) -> Self {
+        let taken = |pair: &Pair| Pair { seen: pair.seen.map(|it| Sighting { t_s: clock.taken_s(it.t_s), ..it }) };
+        Self { pairs: self.pairs.iter().map(taken).collect(), ..*self }
     }
 
     fn ends_s(&self) -> [f64; 2] {

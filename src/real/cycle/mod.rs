@@ -9,11 +9,13 @@
 
 mod evidence;
 mod habits;
+mod pictures;
 
 use asami_dataset::{Action, Command, Log};
 
 use super::clock::Told;
 use evidence::{Evidence, PHASES};
+pub use pictures::dated_like_others;
 
 /// What is taken up acts up to so much later, and times are tried so far apart.
 const MOST_LATE_S: f64 = 0.3;
@@ -59,6 +61,13 @@ pub struct Cycle {
     pub off_rad: f64,
 }
 
+impl Cycle {
+    /// About so long, as far as nothing else is known; bearings are off by so much.
+    fn about(period_s: f64, off_rad: f64) -> Self {
+        Self { period_s, late_s: 0.1, turns: 1.0, wanders: WANDERS[1], off_rad }
+    }
+}
+
 /// A cycle, and how it was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heard {
@@ -89,8 +98,8 @@ impl Heard {
     fn told(&self, log: &Log, whose: &str) -> Told {
         let Self { cycle: Cycle { period_s, wanders, .. }, nats, by_chance_nats, .. } = self;
         let said = format!(
-            "commands are taken up once in {period_s:.4} s{whose}, give or take {:.4} s: each is given as it was, as far as bearings and how long turns are told for tell \
-             ({nats:.0} nats over any delay and lag, cycles of another length {by_chance_nats:.0})",
+            "commands are taken up once in {period_s:.4} s{whose}, give or take {:.4} s: each is given as it was, as far as bearings \
+             and how long turns are told for tell ({nats:.0} nats over any delay and lag, cycles of another length {by_chance_nats:.0})",
             period_s * wanders
         );
         Told { log: self.taken_up(log), period_s: Some(*period_s), said }
@@ -142,8 +151,18 @@ fn heard_within(log: &Log, about_s: f64, within: f64) -> Option<Heard> {
     }
     let evidence = Evidence::of(log)?;
     let none = evidence.by_delay_and_lag();
-    let mut cycle =
-        Cycle { period_s: about_s, late_s: 0.1, turns: 1.0, wanders: WANDERS[1], off_rad: evidence.straight_rad };
+    let (likely, cycle) = settled(&evidence, Cycle::about(about_s, evidence.straight_rad), within);
+    let others = spaced(1.0 - 2.0 * OFF, 1.0 + 2.0 * OFF, APART).map(|by| Cycle { period_s: by * about_s, ..cycle });
+    let others = others.filter(|it| (it.period_s / cycle.period_s - 1.0).abs() > BESIDE);
+    let by_chance = evidence.likeliest(others.collect()).0;
+    let found = evidence.by_cycle(&cycle);
+    let (nats, by_chance_nats) = (likely - none, by_chance - none);
+    Some(Heard { cycle, nats, by_chance_nats, phases: evidence.by_habits(&cycle, found).probable })
+}
+
+/// The likeliest cycle near one, no more than a share longer or shorter, and how likely it makes bearings.
+fn settled(evidence: &Evidence<'_>, mut cycle: Cycle, within: f64) -> (f64, Cycle) {
+    let mut likely = f64::NEG_INFINITY;
     for (off, apart) in [(within, APART), (APART, FINELY_APART)] {
         let late = spaced(0.0, MOST_LATE_S, LATE_APART_S).map(|late_s| Cycle { late_s, ..cycle });
         cycle = evidence.likeliest(late.collect()).1;
@@ -153,14 +172,9 @@ fn heard_within(log: &Log, about_s: f64, within: f64) -> Option<Heard> {
         let turns = spaced(TURNS[0], TURNS[1], TURNS_APART).map(|turns| Cycle { turns, ..cycle });
         cycle = evidence.likeliest(turns.collect()).1;
         let lengths = spaced(1.0 - off, 1.0 + off, apart).map(|by| Cycle { period_s: by * cycle.period_s, ..cycle });
-        cycle = evidence.likeliest(lengths.collect()).1;
+        (likely, cycle) = evidence.likeliest(lengths.collect());
     }
-    let others = spaced(1.0 - 2.0 * OFF, 1.0 + 2.0 * OFF, APART).map(|by| Cycle { period_s: by * about_s, ..cycle });
-    let others = others.filter(|it| (it.period_s / cycle.period_s - 1.0).abs() > BESIDE);
-    let by_chance = evidence.likeliest(others.collect()).0;
-    let found = evidence.by_cycle(&cycle);
-    let (nats, by_chance_nats) = (found.log_likelihood - none, by_chance - none);
-    Some(Heard { cycle, nats, by_chance_nats, phases: evidence.by_habits(&cycle, found).probable })
+    (likely, cycle)
 }
 
 /// From the least to the greatest.
