@@ -12,6 +12,7 @@ use std::collections::BTreeSet;
 use asami_dataset::{Action, Command};
 use asami_math::elementary::hypot;
 use asami_sim::effects::slight_turns::is_slight;
+use asami_sim::effects::turn_step::lacks_rad_per_s;
 use serde::{Deserialize, Serialize};
 
 use times::Times;
@@ -32,8 +33,9 @@ const SPEED_KNOTS: [f64; 4] = [0.0, 0.15, 0.4, 1.0];
 const HELD_AGES_S: [f64; 4] = [0.0, 0.37, 0.74, 1.11];
 /// A bearing seen longer ago is held no more, in seconds.
 const HELD_S: f64 = 1.0;
-/// Of a base on two wheels, so many columns are of its speed in turns: times the squared turning rate, and where it is told a slight turn.
-pub(crate) const OF_TURNS: usize = 2;
+/// Of a base on two wheels, so many columns are of turns: its speed times the squared turning rate, its speed where it is told a slight turn, and
+/// what such a turn lacks of a whole step.
+pub(crate) const OF_TURNS: usize = 3;
 /// And along this axis it may start late: forwards.
 const STARTED: usize = 1;
 /// Columns that grow with time in the log are in units of it.
@@ -71,7 +73,7 @@ pub enum Group {
     Held,
     /// Growing with time in the log: velocities, velocities times speed, moving at all.
     Wear,
-    /// Of a base on two wheels, what lingers of its speed in turns.
+    /// Of a base on two wheels, what lingers of turns' own columns.
     Turning,
     /// Of a base on two wheels, its speed where it stood before, by age.
     Starting,
@@ -157,7 +159,7 @@ impl Columns {
         self.ids.is_empty() && self.greatest[0] == 0.0 && self.greatest[1..].iter().all(|it| *it > 0.0)
     }
 
-    /// Of a base on two wheels, the curve's columns that are its speed in turns: times the squared turning rate, and in slight ones.
+    /// Of a base on two wheels, the curve's columns that are of turns alone.
     #[must_use]
     pub fn in_turns(&self) -> Option<std::ops::Range<usize>> {
         let end = self.range(Group::Curve).end;
@@ -336,7 +338,12 @@ impl Columns {
             *column += share * varying[i] * varying[j];
         }
         if self.rolls() {
-            let of_turns = [u[1] * u[2] * u[2], if is_slight(u[2] * self.greatest[2]) { u[1] } else { 0.0 }];
+            let omega_rad_per_s = u[2] * self.greatest[2];
+            let of_turns = [
+                u[1] * u[2] * u[2],
+                if is_slight(omega_rad_per_s) { u[1] } else { 0.0 },
+                lacks_rad_per_s(u[1], omega_rad_per_s) / self.greatest[2],
+            ];
             let start = columns.len() - OF_TURNS;
             columns[start..].iter_mut().zip(of_turns).for_each(|(column, of)| *column += share * of);
         }

@@ -4,7 +4,8 @@ fn forward(t_s: f64, ay_m_per_s: f64) -> Command {
     Command { t_s, action: Action::Legs { id: None, ax_m_per_s: 0.0, ay_m_per_s, atheta_rad_per_s: 0.0 } }
 }
 
-/// What a base on two wheels loses in turns is a column's, and what it gains in slight ones another's; hats add up beside them.
+/// What a base on two wheels loses in turns is a column's, what it gains in slight ones another's, and what those lack of a whole step a third's;
+/// hats add up beside them.
 #[test]
 fn a_speed_in_a_turn_has_columns_of_its_own() {
     let wheels = |v_m_per_s: f64, omega_rad_per_s: f64| Command {
@@ -23,6 +24,9 @@ fn a_speed_in_a_turn_has_columns_of_its_own() {
     assert_eq!([lost(0.2, 0.0), lost(0.0, 0.5)], [0.0; 2]);
     assert!((slight(0.1, 0.002) - 0.5).abs() < 1e-12 && (slight(0.1, -0.09) - 0.5).abs() < 1e-12);
     assert_eq!([slight(0.2, 0.0), slight(0.1, 0.2), slight(0.0, 0.05)], [0.0; 3]);
+    let lacks = |v, omega| of(2, v, omega);
+    assert!((lacks(0.1, 0.01) - 0.0228 / 0.5).abs() < 1e-12 && (lacks(0.1, 0.002) + 0.0348 / 0.5).abs() < 1e-12);
+    assert_eq!([lacks(0.1, 0.0), lacks(0.1, 0.05), lacks(0.1, -0.4), lacks(0.0, 0.01)], [0.0; 4]);
     assert_eq!(Columns::new([forward(0.0, 0.3)].iter(), 1).in_turns(), None);
     assert_eq!(columns.bends().last().unwrap(), &vec![(in_turns.end - 1, 1.0)]);
 }

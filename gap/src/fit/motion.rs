@@ -146,12 +146,15 @@ fn terms(shape: &Shape, base: &[f64], of: &[usize], axis: usize) -> Vec<(usize, 
         terms.push((group, whole(&|column| unit * base[from * width + column])));
     }
     terms.push((2, whole(&|_| greatest(axis).max(1e-3))));
+    let in_turns = columns.in_turns().unwrap_or_default();
     let group_of = |column: usize| {
         let index = Group::ALL.iter().position(|group| columns.range(*group).contains(&column));
         // What lingers of the axis's own velocity is of another kind than what does of others'.
         match (index.unwrap_or(0), column - columns.range(Group::Lingering).start.min(column)) {
             (1, within) => 8 + usize::from(within % 3 != axis),
             (5, _) => 10,
+            // An effect on turns changes one of those, and hardly any other column of the curve.
+            (0, _) if in_turns.contains(&column) => 11,
             (index, _) => 3 + index,
         }
     };

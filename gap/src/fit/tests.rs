@@ -1,13 +1,16 @@
 //! Fits to runs that were made up with known numbers.
 
 use asami_dataset::{Action, Beacon, Command, Dataset, Frame, Known, Log, Seed, Sighting, Size, TruePose, Truth};
+use asami_math::angle::wrap_rad;
 use asami_math::elementary::exp;
+use asami_sim::effects::turn_step::lacks_rad_per_s;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{as_fine_as_shown, motion_alone, nominal, shape};
+use super::{Free, as_fine_as_shown, changed, motion_alone, nominal, shape};
 use crate::columns::Group;
 use crate::rhythm::Rhythm;
 use crate::shape::{CHANGING, Numbers, STANDING, Shape};
+use crate::touch::Touch;
 
 const FRAME_S: f64 = 0.05;
 const HOLD_S: f64 = 3.0;
@@ -150,4 +153,54 @@ fn wheels_that_stand_take_after_those_that_go() {
     let wheels = standing((0..4).map(rests).map(rolling).collect());
     assert!(legs < 0.1 * STEADY_M2, "{legs}");
     assert!((wheels / STEADY_M2 - 1.0).abs() < 0.35, "{wheels}");
+}
+
+/// A robot on two wheels that is told to turn at any rate, one in thirty of them a slight one, and makes a share of what that lacks of a whole step.
+fn turning(seed: u64, share: f64) -> Dataset {
+    let mut rng = Seed(seed).stream("fit/tests");
+    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let told = |held: usize| {
+        let of = 2.0 * (golden * held as f64 + 0.13 * seed as f64).fract() - 1.0;
+        if held.is_multiple_of(30) { 0.03 * of } else { 0.5 * of }
+    };
+    let (mut commands, mut frames, mut sightings, mut track) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut theta_rad = 0.0;
+    for n in 0..6000_u32 {
+        let t_s = FRAME_S * f64::from(n);
+        let omega_rad_per_s = told((t_s / HOLD_S + 1e-9) as usize);
+        let action = Action::Wheels { id: None, v_m_per_s: 0.1, omega_rad_per_s };
+        commands.push(Command { t_s, action });
+        frames.push(Frame { t_s, head_pan_rad: 0.0 });
+        track.push(TruePose { t_s, x_m: 0.0, y_m: 0.0, theta_rad: wrap_rad(theta_rad), v_m_per_s: None });
+        let size = Size::RangeM(2.0 + 0.01 * normal());
+        let bearing_rad = wrap_rad(-theta_rad + 0.01 * normal());
+        sightings.push(Sighting { t_s, landmark: 0, size, bearing_rad });
+        let made = omega_rad_per_s + share * lacks_rad_per_s(0.1, omega_rad_per_s);
+        theta_rad += FRAME_S * made + (FRAME_S * 3e-4).sqrt() * normal();
+    }
+    let landmarks = vec![Beacon { id: 0, x_m: 0.0, y_m: 2.0, height_m: None }];
+    let known = Known { robot: "create".to_owned(), landmarks, ..Known::default() };
+    let log = Log {
+        known: known.into(),
+        commands: commands.into(),
+        frames: Some(frames.into()),
+        sightings: sightings.into(),
+        ..Log::default()
+    };
+    Dataset { log, truth: Truth { track: track.into(), survey: None }, provenance: None }
+}
+
+/// What an effect changes of turns alone is not taken for chance beside all that it leaves of the curve.
+#[test]
+fn what_is_of_turns_alone_keeps_its_size() {
+    let [nominal_runs, with] = [0.0, 0.8].map(|share| (0..4).map(|seed| turning(seed, share)).collect::<Vec<_>>());
+    let plain = shape(&nominal_runs).expect("a landmark is seen");
+    let shape = Shape { columns: plain.columns.knowing(&motion_alone(&plain, &nominal_runs)), ..plain };
+    let base = nominal(&shape, &Rhythm::default(), &nominal_runs);
+    let free = Free { wear: false };
+    let changes = changed(&shape, (&Rhythm::default(), &base), &[(1.0, &with)], free, Touch::Motion, true);
+    let lacks = 2 * shape.columns.len() + shape.columns.in_turns().expect("it is on two wheels").end - 1;
+    let made = changes[0][lacks] / 0.5;
+    assert!((made / 0.8 - 1.0).abs() < 0.1, "{made}");
 }

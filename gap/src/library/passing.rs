@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 
 use crate::columns::{Columns, Group, OF_TURNS, below};
 
-/// What velocities come from: each axis's nominal one, and the speed in turns.
+/// What velocities come from: each axis's nominal one, and what is of turns alone.
 const SOURCES: usize = IN_TURNS + OF_TURNS;
 const IN_TURNS: usize = 3;
 
@@ -20,13 +20,13 @@ pub struct Passing<'a> {
     nominal: &'a [[f64; 3]],
     /// Greatest nominal velocities, by axis.
     greatest: [f64; 3],
-    /// How many columns each axis has.
+    /// How many columns each axis has, counted once: asked for at every number they are a third of a diagnosis.
     width: usize,
     /// The curve's among them.
     curve: Range<usize>,
-    /// Where those of what lingers begin: of velocities, and of the speed in turns.
+    /// Where those of what lingers begin: of velocities, and of turns alone.
     lingering: [usize; 2],
-    /// Of the curve's columns the first that is the speed in turns, after all others.
+    /// Of the curve's columns the first that is of turns alone, after all others.
     last: usize,
 }
 

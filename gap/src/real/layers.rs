@@ -18,7 +18,7 @@ use crate::weigh::evidence::{CLOSE, Weighed, weigh};
 use crate::weigh::groups::Signature;
 
 /// At most so many effects.
-const MOST: usize = 8;
+const MOST: usize = 12;
 /// So many of the most evident are tried with all sizes found together.
 const TRIED: usize = 6;
 /// Those that gain less by themselves are not, in nats.

@@ -52,6 +52,7 @@ pub mod sweep_motion;
 pub mod throttle_deadband;
 pub mod throttle_delay;
 pub mod turn_slowing;
+pub mod turn_step;
 pub mod tyre_slip;
 pub mod unequal_wheels;
 pub mod vertical_angle_bias;
@@ -138,6 +139,7 @@ effects! {
     slope => Slope,
     speed_steps => SpeedSteps,
     turn_slowing => TurnSlowing,
+    turn_step => TurnStep,
     unequal_wheels => UnequalWheels,
     wheel_base => WheelBase,
     wheel_lag => WheelLag,

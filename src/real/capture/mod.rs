@@ -17,6 +17,7 @@ mod sightings;
 mod starts;
 mod steady;
 pub mod steering;
+mod steps;
 
 use std::collections::BTreeMap;
 

@@ -7,6 +7,7 @@ use asami_math::statistics::median;
 
 use super::late::{ALL, Free, Lags, Late, Left, NOTHING, Ways};
 use super::steady::Proportions;
+use super::steps::turn_step;
 use super::{Capture, LEAST, OUTLIER, ROUNDS, Together, Window};
 
 /// Between the wheels of a Create.
@@ -32,6 +33,9 @@ pub(super) fn motion(
     }
     let (lags, ways) = (Lags::new(commands), Ways::all());
     let Some(found) = counted(&lags, &ways, windows) else { return };
+    let late_s = found.late.delay_s + found.late.lag_s;
+    let share = turn_step(dataset, late_s);
+    capture.values.extend(share.map(|share| ("turn_step.share".to_owned(), share)));
     let told = Told { windows, lags, ways, found, own_lag_s };
     capture.shares = told.shares();
     told.late(capture);

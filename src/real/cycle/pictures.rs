@@ -13,7 +13,7 @@ const OFF: f64 = 5e-5;
 const FINE: f64 = 0.125;
 const PHASES: u32 = 24;
 /// The clock and how commands are taken up are looked for by turns, so often.
-const ROUNDS: usize = 2;
+const ROUNDS: usize = 4;
 /// By how much pictures are to be likelier so than as they are dated, in nats, for of some hundred clocks one is the likeliest.
 const LEAST_NATS: f64 = 10.0;
 

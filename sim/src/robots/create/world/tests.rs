@@ -167,6 +167,27 @@ fn a_robot_told_a_slight_turn_is_quicker() {
     assert!(forward.abs() < 1e-3 && (turn - 0.05).abs() < 3e-3, "{forward} {turn}");
 }
 
+/// Told less than a step on its way the robot turns by a whole one, to the side that is told or, where that is hardly the left, to the right;
+/// told none, more, or on the spot it does what it is told.
+#[test]
+fn a_robot_of_whole_steps_knows_no_slighter_turn() {
+    let step = |share: f64| effects(&[("turn_step", "share", share)]);
+    for (told, made) in [
+        ([0.3, 0.01], 0.0328),
+        ([0.3, 0.003], -0.0328),
+        ([0.3, -0.02], -0.0328),
+        ([0.3, 0.0], 0.0),
+        ([0.3, 0.05], 0.05),
+        ([0.3, -0.2], -0.2),
+        ([0.0, 0.01], 0.01),
+    ] {
+        let [_, forward, turn] = velocity(&drive(&exact(), &step(1.0), told, 8.0));
+        assert!((turn - made).abs() < 2e-3 && (forward - told[0]).abs() < 3e-3, "{told:?}: {forward} {turn}");
+    }
+    let [_, _, turn] = velocity(&drive(&exact(), &step(0.5), [0.3, 0.01], 8.0));
+    assert!((turn - 0.0214).abs() < 2e-3, "{turn}");
+}
+
 /// Curves tighten: the way round is shorter, and the turn is whole. On the spot and straight on nothing is lost; at worst all is.
 #[test]
 fn a_robot_that_slows_down_in_turns_drives_tighter_circles() {
