@@ -236,7 +236,16 @@ fn any_two_effects_work_together() {
                 assert!(!dataset.log.sightings.is_empty(), "{pair}");
                 let finite = dataset.truth.track.iter().all(|pose| (pose.x_m + pose.y_m + pose.theta_rad).is_finite());
                 assert!(finite, "{pair}");
-                assert!(dataset != alone[i] && dataset != alone[j], "{pair}: one hides the other");
+                // What one makes of commands may be none of what this walk is told.
+                let another_shows = || {
+                    (3..30).any(|seed| {
+                        let [both, one, other] = [&both, &planted(one, LARGE), &planted(other, LARGE)]
+                            .map(|effects| walk_until(robot, effects, seed, until_s));
+                        both != one && both != other
+                    })
+                };
+                let shows = dataset != alone[i] && dataset != alone[j];
+                assert!(shows || another_shows(), "{pair}: one hides the other");
             }
         }
     }
