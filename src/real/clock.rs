@@ -29,7 +29,7 @@ const OFF: f64 = 0.001;
 /// Rates within this share of it show what chance makes of the log.
 const BESIDE: f64 = 0.01;
 /// How finely ages are looked at: rates that part by such a share of a period over the log, and shares of a period.
-const FINE: f64 = 0.125;
+pub(super) const FINE: f64 = 0.125;
 const PHASES: usize = 24;
 /// By how much the clock is to be likelier than any that the camera cannot have, in nats: a sighting is in two pairs, those of a
 /// picture are off alike, and what a robot's delay wanders by over minutes is taken for a clock whose rate is nearly that of the frames.
@@ -77,6 +77,11 @@ struct Aged {
 }
 
 impl Clock {
+    /// Those of a period that strike about a time, at every phase that is looked at.
+    pub(super) fn of_period(period_s: f64, about_s: f64) -> impl Iterator<Item = Self> {
+        (0..PHASES).map(move |phase| Self { period_s, first_s: about_s + phase as f64 / PHASES as f64 * period_s })
+    }
+
     /// When the newest picture was taken.
     #[must_use]
     pub fn taken_s(&self, t_s: f64) -> f64 {
@@ -148,10 +153,8 @@ pub fn heard(log: &Log, rate_hz: f64) -> Option<Heard> {
     let middle_s = 0.5 * (from_s + to_s);
     let likeliest = |step: i64| {
         let period_s = 1.0 / (rate_hz + step as f64 * fine_hz);
-        let of_phase = (0..PHASES).map(|phase| {
-            let clock = Clock { period_s, first_s: middle_s + phase as f64 / PHASES as f64 * period_s };
-            (likely(&pairs, scale, |t_s| t_s - clock.taken_s(t_s) - 0.5 * period_s) - none, clock)
-        });
+        let of_phase = Clock::of_period(period_s, middle_s)
+            .map(|clock| (likely(&pairs, scale, |t_s| t_s - clock.taken_s(t_s) - 0.5 * period_s) - none, clock));
         of_phase.reduce(|a, b| if b.0 > a.0 { b } else { a })
     };
     let of_rates: Vec<(i64, (f64, Clock))> =

@@ -27,8 +27,8 @@ effect! {
     TurnStep, "turn_step",
     "Told a slight turn on its way, the robot makes a share of what that lacks of 0.0328 rad/s besides.",
     Actuation, StaticMotion, fits ["create"],
-    source "motion capture of MRCLAM data set 6 (Leung et al. 2011): told anything from -0.04 to 0.004 rad/s but nothing all five Creates turn by \
-            -0.02 to -0.04, told 0.009 to 0.04 by 0.03; a wheel's step is 8.45 mm/s",
+    source "motion capture of MRCLAM data set 6 (Leung et al. 2011), all five Creates together: told anything from -0.035 to 0.002 rad/s but \
+            nothing they turn by -0.01 to -0.04, told 0.01 to 0.03 by 0.03; a wheel's step is 8.45 mm/s",
     drawn [share: Size { way: Up, least: 0.1, greatest: 1.2 }],
     {
         /// Of what is lacking.

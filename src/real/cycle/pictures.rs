@@ -2,16 +2,14 @@
 //! take: held against commands as they are taken up, bearings say more of it than where wheels are thought to lag.
 
 use asami_dataset::Log;
+use rayon::prelude::*;
 
 use super::evidence::Evidence;
 use super::{Cycle, OTHERS_OFF, settled, spaced};
-use crate::real::clock::{Clock, Told};
+use crate::real::clock::{Clock, FINE, Told};
 
 /// Cameras of a make differ in rate by no more than this share.
 const OFF: f64 = 5e-5;
-/// How finely ages are looked at: rates that part by such a share of a period over the log, and shares of a period.
-const FINE: f64 = 0.125;
-const PHASES: u32 = 24;
 /// The clock and how commands are taken up are looked for by turns, so often.
 const ROUNDS: usize = 4;
 /// By how much pictures are to be likelier so than as they are dated, in nats, for of some hundred clocks one is the likeliest.
@@ -48,16 +46,10 @@ fn clocks(log: &Log, picture_s: f64) -> Option<Vec<Clock>> {
     let apart = (FINE * picture_s / (to_s - from_s)).min(OFF);
     // The middle of the log is where a phase means the same at all rates.
     let middle_s = 0.5 * (from_s + to_s);
-    let of_rate = |by: f64| {
-        let period_s = by * picture_s;
-        (0..PHASES)
-            .map(move |phase| Clock { period_s, first_s: middle_s + f64::from(phase) / f64::from(PHASES) * period_s })
-    };
-    Some(spaced(1.0 - OFF, 1.0 + OFF, apart).flat_map(of_rate).collect())
+    Some(spaced(1.0 - OFF, 1.0 + OFF, apart).flat_map(|by| Clock::of_period(by * picture_s, middle_s)).collect())
 }
 
 fn likeliest(evidence: &Evidence<'_>, clocks: Vec<Clock>, cycle: &Cycle) -> Option<Clock> {
-    use rayon::prelude::*;
     let of = |clock: Clock| (evidence.seen_by(&clock).by_cycle(cycle).log_likelihood, clock);
     let all: Vec<(f64, Clock)> = clocks.into_par_iter().map(of).collect();
     all.into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a }).map(|it| it.1)
