@@ -42,11 +42,22 @@ fn answering(seed: u64, commands: &[f64], answers: impl Fn(f64, f64, f64) -> (f6
         let (speed_m_per_s, variance_m2) = answers(now, before, since_s + 0.5 * FRAME_S);
         y_m += FRAME_S * speed_m_per_s + (FRAME_S * variance_m2).sqrt() * normal();
     }
-    let landmarks = vec![Beacon { id: 0, x_m: 0.0, y_m: 0.0, height_m: None }];
+    recorded(0.0, log, frames, sightings, track)
+}
+
+/// A run before a landmark so far ahead of the origin.
+fn recorded(
+    ahead_m: f64,
+    commands: Vec<Command>,
+    frames: Vec<Frame>,
+    sightings: Vec<Sighting>,
+    track: Vec<TruePose>,
+) -> Dataset {
+    let landmarks = vec![Beacon { id: 0, x_m: 0.0, y_m: ahead_m, height_m: None }];
     let known = Known { robot: "plain".to_owned(), landmarks, ..Known::default() };
     let log = Log {
         known: known.into(),
-        commands: log.into(),
+        commands: commands.into(),
         frames: Some(frames.into()),
         sightings: sightings.into(),
         ..Log::default()
@@ -179,16 +190,7 @@ fn turning(seed: u64, share: f64) -> Dataset {
         let made = omega_rad_per_s + share * lacks_rad_per_s(0.1, omega_rad_per_s);
         theta_rad += FRAME_S * made + (FRAME_S * 3e-4).sqrt() * normal();
     }
-    let landmarks = vec![Beacon { id: 0, x_m: 0.0, y_m: 2.0, height_m: None }];
-    let known = Known { robot: "create".to_owned(), landmarks, ..Known::default() };
-    let log = Log {
-        known: known.into(),
-        commands: commands.into(),
-        frames: Some(frames.into()),
-        sightings: sightings.into(),
-        ..Log::default()
-    };
-    Dataset { log, truth: Truth { track: track.into(), survey: None }, provenance: None }
+    recorded(2.0, commands, frames, sightings, track)
 }
 
 /// What an effect changes of turns alone is not taken for chance beside all that it leaves of the curve.
