@@ -9,6 +9,7 @@
 //! in which a robot does something else altogether (it is held up, or its own reflexes overrule what it is told) count for
 //! nothing. Nothing here is given to a diagnosis.
 
+mod camera;
 pub mod errors;
 mod late;
 mod motion;

@@ -5,37 +5,33 @@ use std::f64::consts::FRAC_PI_2;
 use asami_dataset::truth::pose_at;
 use asami_dataset::{Dataset, Sighting, Size};
 use asami_math::angle::wrap_rad;
-use asami_math::elementary::{atan2, cos, hypot, sin_cos, tan};
+use asami_math::elementary::{atan2, cos, hypot, sin_cos};
 use asami_math::statistics::median;
 
 use super::robust::{Row, fitted, fitted_by};
-use super::{Capture, LEAST, Together};
+use super::{Capture, LEAST, Together, camera};
 
 /// Rates are taken over so long to both sides.
 const RATES_S: f64 = 0.1;
-/// Farther off its axis no camera sees.
-const WIDEST_RAD: f64 = 1.4;
 /// What sees landmarks farther to the sides is a scanner.
 const SCANNER_RAD: f64 = FRAC_PI_2;
 
 /// Ranges scatter the more the farther: each of so many classes of distance by itself.
 const CLASSES: usize = 10;
 
-const FOCAL: &str = "focal_error";
-const LENS: &str = "lens_distortion";
-const SCALE: &str = "range_scale";
 const ECCENTRICITY: &str = "encoder_eccentricity";
 const SPREAD: &str = "bearing_scale.ratio";
 
 /// A sighting beside where the landmark was; how fast that changed, for capture has a clock of its own.
-struct Seen {
-    distance_m: f64,
-    bearing_rad: f64,
-    read_m: f64,
-    read_rad: f64,
-    turning_rad_per_s: f64,
-    parting_m_per_s: f64,
-    swinging_rad_per_s: f64,
+pub(super) struct Seen {
+    pub t_s: f64,
+    pub distance_m: f64,
+    pub bearing_rad: f64,
+    pub read_m: f64,
+    pub read_rad: f64,
+    pub turning_rad_per_s: f64,
+    pub parting_m_per_s: f64,
+    pub swinging_rad_per_s: f64,
 }
 
 impl Seen {
@@ -60,7 +56,17 @@ impl Seen {
         let whole = |rate: f64| wrap_rad(rate * 2.0 * RATES_S) / (2.0 * RATES_S);
         let [turning_rad_per_s, parting_m_per_s, swinging_rad_per_s] = [whole(rates[0]), rates[1], whole(rates[2])];
         let read_rad = seen.bearing_rad;
-        Some(Self { distance_m, bearing_rad, read_m, read_rad, turning_rad_per_s, parting_m_per_s, swinging_rad_per_s })
+        let t_s = seen.t_s;
+        Some(Self {
+            t_s,
+            distance_m,
+            bearing_rad,
+            read_m,
+            read_rad,
+            turning_rad_per_s,
+            parting_m_per_s,
+            swinging_rad_per_s,
+        })
     }
 
     fn off_rad(&self) -> f64 {
@@ -78,12 +84,6 @@ impl Seen {
     /// far it is spread.
     fn bend(&self) -> Row<4> {
         ([1.0, self.swinging_rad_per_s, 1.0 - cos(self.bearing_rad), self.bearing_rad], self.off_rad())
-    }
-
-    /// Its place in the image: where the camera looks, the landmark's tangent, its cube, how fast the robot turns.
-    fn place(&self) -> Row<4> {
-        let tangent = tan(self.bearing_rad);
-        ([1.0, tangent, tangent * tangent * tangent, self.turning_rad_per_s], tan(self.read_rad))
     }
 }
 
@@ -105,7 +105,7 @@ pub(super) fn sightings(dataset: &Dataset, ahead_rad: f64, capture: &mut Capture
         ("pan_offset.offset_rad", median(&offsets).unwrap_or(0.0)),
     ];
     capture.values.extend(values.map(|(name, value)| (name.to_owned(), value)));
-    image(&all, ranges[1], capture);
+    camera::image(&all, ranges[1], capture);
     angles(&all, capture);
 }
 
@@ -121,29 +121,6 @@ fn angles(all: &[Seen], capture: &mut Capture) {
     capture.values.extend(values);
     let values = [("pan_offset.offset_rad".to_owned(), offset_rad)].into();
     capture.together.push(Together { of: &[ECCENTRICITY], without: None, values });
-}
-
-/// How far from the image's middle landmarks seem: by a focal length that is another one, by a lens that is no pinhole, by both.
-/// A camera of a shorter focal length takes things for smaller, and so for farther away.
-fn image(all: &[Seen], range_ratio: f64, capture: &mut Capture) {
-    let seen = all.iter().filter(|it| it.bearing_rad.abs().max(it.read_rad.abs()) < WIDEST_RAD);
-    let rows: Vec<Row<4>> = seen.map(Seen::place).collect();
-    let of_focal = |&([one, r, _, turns], read): &Row<4>| ([one, r, turns], read);
-    let of_lens = |&([one, r, cube, turns], read): &Row<4>| ([one, cube, turns], read - r);
-    let focal = fitted(&rows.iter().map(of_focal).collect::<Vec<_>>());
-    let lens = fitted(&rows.iter().map(of_lens).collect::<Vec<_>>());
-    let (Some(([_, focal, _], _)), Some(([_, radial, _], _)), Some((both, _))) = (focal, lens, fitted(&rows)) else {
-        return;
-    };
-    let values = |values: &[(&str, f64)]| values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    let beside = |of, all: &[(&str, f64)]| Together { of, without: None, values: values(all) };
-    let [focal_ratio, lens_radial, scale_ratio] = ["focal_error.ratio", "lens_distortion.radial", "range_scale.ratio"];
-    capture.values.append(&mut values(&[(focal_ratio, focal), (lens_radial, radial)]));
-    capture.together.extend([
-        beside(&[FOCAL, LENS], &[(focal_ratio, both[1]), (lens_radial, both[2] / both[1])]),
-        beside(&[FOCAL, SCALE], &[(scale_ratio, range_ratio * focal)]),
-        beside(&[FOCAL, LENS, SCALE], &[(scale_ratio, range_ratio * both[1])]),
-    ]);
 }
 
 /// As many of the nearest as of those that are next, and so on.
@@ -164,63 +141,6 @@ mod tests {
 
     use super::*;
 
-    const FOCAL_RATIO: f64 = 0.97;
-    const OFFSET_RAD: f64 = 0.01;
-
-    /// Landmarks all over the image of a turning robot's camera, of which every tenth is taken for another one.
-    fn seen(radial: f64) -> Vec<Seen> {
-        let of = |i: u16| {
-            let bearing_rad = 0.1 * f64::from(i % 13) - 0.6;
-            let turning_rad_per_s = 0.2 * f64::from(i % 7) - 0.6;
-            let r = tan(bearing_rad);
-            let read_rad = atan2(FOCAL_RATIO * (r + radial * r * r * r), 1.0);
-            let mistaken_rad = if i.is_multiple_of(10) { 0.5 } else { 0.0 };
-            let distance_m = 1.0 + 0.1 * f64::from(i % 11);
-            Seen {
-                distance_m,
-                bearing_rad,
-                read_m: distance_m / FOCAL_RATIO,
-                read_rad: read_rad + OFFSET_RAD + 0.03 * turning_rad_per_s + mistaken_rad,
-                turning_rad_per_s,
-                parting_m_per_s: 0.0,
-                swinging_rad_per_s: -turning_rad_per_s,
-            }
-        };
-        (0..2000).map(of).collect()
-    }
-
-    fn shown(radial: f64, named: &[&str]) -> Capture {
-        let mut capture = Capture::default();
-        capture.values.insert("range_scale.ratio".to_owned(), 1.0 / FOCAL_RATIO);
-        image(&seen(radial), 1.0 / FOCAL_RATIO, &mut capture);
-        capture.suit(named);
-        capture
-    }
-
-    /// A camera that takes landmarks for smaller has no wrong scale of ranges besides.
-    #[test]
-    fn a_focal_length_is_told_by_where_landmarks_are_in_the_image() {
-        let near = |named: &[&str], name: &str, expected: f64| {
-            let value = shown(0.0, named).values[name];
-            assert!((value - expected).abs() < 0.005, "{named:?} {name}: {value}, not {expected}");
-        };
-        near(&[FOCAL], "focal_error.ratio", FOCAL_RATIO);
-        near(&[SCALE], "range_scale.ratio", 1.0 / FOCAL_RATIO);
-        near(&[SCALE, FOCAL], "range_scale.ratio", 1.0);
-    }
-
-    /// What bends an image looks like a focal length where that alone is thought of.
-    #[test]
-    fn a_lens_is_told_from_a_focal_length_where_both_are_named() {
-        let both = shown(-0.2, &[FOCAL, LENS]).values;
-        assert!((both["focal_error.ratio"] - FOCAL_RATIO).abs() < 0.005, "{both:?}");
-        assert!((both["lens_distortion.radial"] + 0.2).abs() < 0.02, "{both:?}");
-        let alone = shown(-0.2, &[FOCAL]).values;
-        assert!(alone["focal_error.ratio"] < FOCAL_RATIO - 0.02, "{alone:?}");
-        let pinhole = shown(0.0, &[FOCAL, LENS]).values;
-        assert!(pinhole["lens_distortion.radial"].abs() < 0.02, "{pinhole:?}");
-    }
-
     /// A scanner all around, 0.07 s late, whose disc is off its axis: neither its angles nor its ranges are taken for anything else.
     #[test]
     fn what_is_late_is_neither_far_nor_bent() {
@@ -229,6 +149,7 @@ mod tests {
             let (parting, swinging) = (0.1 * f64::from(i % 5) - 0.3, 0.2 * f64::from(i % 7) - 0.5);
             let distance_m = 1.0 + 0.3 * f64::from(i % 11);
             Seen {
+                t_s: 0.1 * f64::from(i),
                 distance_m,
                 bearing_rad,
                 read_m: 1.01 * distance_m - 0.04 - 0.07 * parting,
@@ -268,6 +189,7 @@ mod tests {
                 let normal: f64 = rng.sample(StandardNormal);
                 let depth_m = distance_m * (1.0 - 0.9 * (1.0 - cos(bearing_rad)));
                 Seen {
+                    t_s: 0.1 * f64::from(i),
                     distance_m,
                     bearing_rad,
                     read_m: depth_m + 0.002 * distance_m * distance_m * normal,
