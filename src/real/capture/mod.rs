@@ -5,7 +5,8 @@
 //! against the commanded speed's integral, and that of the speed times the squared turning rate, the turn against the
 //! commanded turning rate's integral and the way; commands act some time later, as through a lag, or both. Proportions are those of
 //! stretches in which the same is told for long, where there are enough. The frame that
-//! capture gives a robot hangs on how its markers were put on: ahead is where the robot goes when it is not turning. Windows
+//! capture gives a robot hangs on how its markers were put on: ahead is where the robot goes when it is not turning, and it is where
+//! it turns about. Windows
 //! in which a robot does something else altogether (it is held up, or its own reflexes overrule what it is told) count for
 //! nothing. Nothing here is given to a diagnosis.
 
@@ -23,7 +24,7 @@ mod steps;
 use std::collections::BTreeMap;
 
 use asami_dataset::truth::pose_at;
-use asami_dataset::{Command, Dataset, TruePose};
+use asami_dataset::{Command, Dataset, TruePose, Truth};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, sin_cos};
 
@@ -39,6 +40,8 @@ const OUTLIER: f64 = 6.0;
 const ROUNDS: usize = 5;
 /// Fewer windows or sightings than this show nothing.
 const LEAST: usize = 30;
+/// A robot that turns by less, by the root of the windows' squares, shows nothing of where its axle is.
+const TURNS_RAD: f64 = 1.0;
 
 /// What motion capture shows.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -89,22 +92,36 @@ impl Window {
     fn moved(&self, axis: usize) -> f64 {
         [self.forward_m, self.turn_rad][axis]
     }
-
-    /// The same way in a frame that is turned to the left.
-    fn look(&mut self, turned_rad: f64) {
-        let (sin, cos) = sin_cos(turned_rad);
-        let (forward_m, left_m) = (self.forward_m, self.left_m);
-        (self.forward_m, self.left_m) = (cos * forward_m + sin * left_m, cos * left_m - sin * forward_m);
-    }
 }
 
-/// Where a robot goes when it is not turning: to the left of its frame's heading, by least squares in the way forward and,
-/// for the frame may stand off the axle, the turn.
-fn ahead(windows: &[Window]) -> f64 {
-    let of = |a: fn(&Window) -> f64, b: fn(&Window) -> f64| windows.iter().fold(0.0, |sum, it| sum + a(it) * b(it));
-    let (forward, left, turn) = (|it: &Window| it.forward_m, |it: &Window| it.left_m, |it: &Window| it.turn_rad);
-    let (ff, ft, tt) = (of(forward, forward), of(forward, turn), of(turn, turn).max(1e-12));
-    atan2((of(forward, left) * tt - of(turn, left) * ft) / (ff * tt - ft * ft).max(1e-12), 1.0)
+/// The frame that capture gives a robot, which hangs on how its markers were put on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Frame {
+    /// Where the robot goes when it is not turning: to the left of its heading.
+    ahead_rad: f64,
+    /// How far ahead of the axle, about which a robot turns, it is.
+    before_axle_m: f64,
+}
+
+impl Frame {
+    /// By least squares in what is made to the left: a robot goes nowhere but ahead.
+    fn of(windows: &[Window]) -> Self {
+        let of = |a: fn(&Window) -> f64, b: fn(&Window) -> f64| windows.iter().fold(0.0, |sum, it| sum + a(it) * b(it));
+        let (forward, left, turn) = (|it: &Window| it.forward_m, |it: &Window| it.left_m, |it: &Window| it.turn_rad);
+        let (ff, ft, tt) = (of(forward, forward), of(forward, turn), of(turn, turn).max(1e-12));
+        let (fl, tl) = (of(forward, left), of(turn, left));
+        let by_way = (fl * tt - tl * ft) / (ff * tt - ft * ft).max(1e-12);
+        let by_turn_m = if tt < TURNS_RAD * TURNS_RAD { 0.0 } else { (tl - by_way * ft) / tt };
+        Self { ahead_rad: atan2(by_way, 1.0), before_axle_m: by_turn_m }
+    }
+
+    /// Where the axle is, and where ahead is of it.
+    fn axle(self, pose: &TruePose) -> TruePose {
+        let theta_rad = wrap_rad(pose.theta_rad + self.ahead_rad);
+        let (sin, cos) = sin_cos(theta_rad);
+        let (x_m, y_m) = (pose.x_m + self.before_axle_m * sin, pose.y_m - self.before_axle_m * cos);
+        TruePose { x_m, y_m, theta_rad, ..*pose }
+    }
 }
 
 /// What the truth of a wheeled robot's log shows; nothing where there is too little of it. `given` are its commands as they were given,
@@ -113,15 +130,16 @@ fn ahead(windows: &[Window]) -> f64 {
 #[must_use]
 pub fn capture(dataset: &Dataset, given: &[Command], own_lag_s: f64) -> Capture {
     let mut capture = Capture::default();
-    let mut windows = windows(&dataset.truth.track);
-    let ahead_rad = ahead(&windows);
-    windows.iter_mut().for_each(|window| window.look(ahead_rad));
-    let steady = steady::steady(dataset, ahead_rad);
-    if let Some(later_s) = steady.and_then(|does| starts::late_start(given, &dataset.truth.track, ahead_rad, &does)) {
+    let frame = Frame::of(&windows(&dataset.truth.track));
+    let track: Vec<TruePose> = dataset.truth.track.iter().map(|pose| frame.axle(pose)).collect();
+    let mut windows = windows(&track);
+    let dataset = &Dataset { truth: Truth { track: track.into(), survey: None }, ..dataset.clone() };
+    let steady = steady::steady(dataset);
+    if let Some(later_s) = steady.and_then(|does| starts::late_start(given, &dataset.truth.track, &does)) {
         capture.values.insert("late_start.start_s".to_owned(), later_s);
     }
     motion::motion(dataset, &mut windows, steady, own_lag_s, &mut capture);
-    sightings::sightings(dataset, ahead_rad, &mut capture);
+    sightings::sightings(dataset, &mut capture);
     capture
 }
 
@@ -157,7 +175,7 @@ fn window(track: &[TruePose], from_s: f64, length_s: f64) -> Option<Window> {
 #[cfg(test)]
 mod tests {
     use asami_dataset::log::RangeBearing;
-    use asami_dataset::{Action, Beacon, Known, Log, Sighting, Size, Truth};
+    use asami_dataset::{Action, Beacon, Known, Log, Sighting, Size};
     use asami_math::elementary::hypot;
 
     use super::*;
@@ -266,11 +284,21 @@ mod tests {
 
     /// How markers were put on a robot says nothing of the robot.
     #[test]
-    fn ahead_is_where_a_robot_goes() {
-        let (straight, askew) = (shown(&log(0.3, 0.0), 0.0), shown(&log(0.3, -0.08), 0.0));
-        for (name, value) in &straight.values {
-            let other = askew.values[name];
-            assert!((value - other).abs() < 1e-4, "{name}: {other}, not {value}");
+    fn ahead_is_where_a_robot_goes_and_it_is_where_it_turns_about() {
+        let straight = log(0.3, 0.0);
+        let mut behind = log(0.3, -0.08);
+        let put = |pose: &TruePose| {
+            let (sin, cos) = sin_cos(pose.theta_rad + 0.08);
+            TruePose { x_m: pose.x_m + 0.03 * sin, y_m: pose.y_m - 0.03 * cos, ..*pose }
+        };
+        behind.truth.track = behind.truth.track.iter().map(put).collect::<Vec<_>>().into();
+        let straight = shown(&straight, 0.0);
+        for other in [log(0.3, -0.08), behind] {
+            let other = shown(&other, 0.0);
+            for (name, value) in &straight.values {
+                let other = other.values[name];
+                assert!((value - other).abs() < 1e-4, "{name}: {other}, not {value}");
+            }
         }
     }
 

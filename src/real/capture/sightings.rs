@@ -35,18 +35,17 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    fn of(dataset: &Dataset, ahead_rad: f64, seen: &Sighting) -> Option<Self> {
+    fn of(dataset: &Dataset, seen: &Sighting) -> Option<Self> {
         let Size::RangeM(read_m) = seen.size else { return None };
         let log = &dataset.log;
         let [right_m, ahead_m] = log.known.range_bearing.as_ref().map_or([0.0; 2], |it| it.sensor_origin_m);
         let landmark = log.known.landmarks.iter().find(|it| it.id == seen.landmark)?;
         let at = |t_s: f64| {
             let pose = pose_at(&dataset.truth.track, t_s)?;
-            let theta_rad = pose.theta_rad + ahead_rad;
-            let (sin, cos_theta) = sin_cos(theta_rad);
+            let (sin, cos_theta) = sin_cos(pose.theta_rad);
             let dx = landmark.x_m - pose.x_m - right_m * cos_theta + ahead_m * sin;
             let dy = landmark.y_m - pose.y_m - right_m * sin - ahead_m * cos_theta;
-            Some([theta_rad, hypot(dx, dy), wrap_rad(atan2(-dx, dy) - theta_rad)])
+            Some([pose.theta_rad, hypot(dx, dy), wrap_rad(atan2(-dx, dy) - pose.theta_rad)])
         };
         let [_, distance_m, bearing_rad] = at(seen.t_s)?;
         let rates = match [-RATES_S, RATES_S].map(|by_s| at(seen.t_s + by_s)) {
@@ -87,10 +86,10 @@ impl Seen {
     }
 }
 
-/// Ranges against distances, depths and what lies to the left, bearings against bearings from where ahead is.
-pub(super) fn sightings(dataset: &Dataset, ahead_rad: f64, capture: &mut Capture) {
+/// Ranges against distances, depths and what lies to the left, bearings against bearings.
+pub(super) fn sightings(dataset: &Dataset, capture: &mut Capture) {
     let sightings = dataset.log.sightings.iter();
-    let all: Vec<Seen> = sightings.filter_map(|seen| Seen::of(dataset, ahead_rad, seen)).collect();
+    let all: Vec<Seen> = sightings.filter_map(|seen| Seen::of(dataset, seen)).collect();
     if all.len() < LEAST {
         return;
     }

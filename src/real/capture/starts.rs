@@ -48,8 +48,8 @@ impl Run {
 /// By how much later than it goes its speed comes, in seconds, after what is told. Beyond what it would have made by its proportions the
 /// robot makes the way that a stop comes late, at the speed before, and misses that which a start does, at the speed after. `None` of a robot
 /// that is hardly ever told to stand.
-pub(super) fn late_start(given: &[Command], track: &[TruePose], ahead_rad: f64, does: &Proportions) -> Option<f64> {
-    let watched = Watched { track, ahead_rad, commanded: Commanded::new(given, 0.0, 0.0), does };
+pub(super) fn late_start(given: &[Command], track: &[TruePose], does: &Proportions) -> Option<f64> {
+    let watched = Watched { track, commanded: Commanded::new(given, 0.0, 0.0), does };
     let runs = runs(given);
     let rows: Vec<Row<2>> = runs.windows(3).flat_map(|it| watched.rest(&it[0], &it[1], &it[2])).flatten().collect();
     let starts = rows.iter().filter(|(speeds, _)| speeds[1] != 0.0).count();
@@ -63,7 +63,6 @@ pub(super) fn late_start(given: &[Command], track: &[TruePose], ahead_rad: f64, 
 /// What a robot made, and what it should have made.
 struct Watched<'a> {
     track: &'a [TruePose],
-    ahead_rad: f64,
     commanded: Commanded,
     does: &'a Proportions,
 }
@@ -87,8 +86,7 @@ impl Watched<'_> {
     /// What hangs on how late a stop is, and on how much later a start is, from one speed to another; and the way in m that is made beyond
     /// what should be.
     fn row(&self, from_s: f64, length_s: f64, (before, after): (f64, f64)) -> Option<Row<2>> {
-        let mut made = window(self.track, from_s, length_s)?;
-        made.look(self.ahead_rad);
+        let made = window(self.track, from_s, length_s)?;
         Some(([before - after, -after], made.moved(0) - self.told_m(from_s, length_s)))
     }
 
@@ -160,7 +158,7 @@ mod tests {
     }
 
     fn shown((given, track): &(Vec<Command>, Vec<TruePose>)) -> Option<f64> {
-        late_start(given, track, 0.0, &EXACT)
+        late_start(given, track, &EXACT)
     }
 
     #[test]

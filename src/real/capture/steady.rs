@@ -55,9 +55,8 @@ struct Stretch {
 }
 
 /// `None` where too little is told for long.
-pub(super) fn steady(dataset: &Dataset, ahead_rad: f64) -> Option<Proportions> {
-    let mut stretches = stretches(dataset);
-    stretches.iter_mut().for_each(|it| it.made.look(ahead_rad));
+pub(super) fn steady(dataset: &Dataset) -> Option<Proportions> {
+    let stretches = stretches(dataset);
     let (slight, other): (Vec<&Stretch>, Vec<&Stretch>) =
         stretches.iter().partition(|it| is_slight(it.omega_rad_per_s));
     let turning = other.iter().filter(|it| it.omega_rad_per_s.abs() > TURNS_RAD_PER_S).count();
@@ -181,7 +180,7 @@ mod tests {
             Command { t_s, action: Action::Wheels { id: None, v_m_per_s: 0.1, omega_rad_per_s: 0.3 * (i % 3) as f64 } }
         };
         short.log.commands = (0..700).map(every).collect::<Vec<_>>().into();
-        assert_eq!(steady(&short, 0.0), None);
-        assert!(steady(&bursts(300.0), 0.0).is_some() && steady(&bursts(20.0), 0.0).is_none());
+        assert_eq!(steady(&short), None);
+        assert!(steady(&bursts(300.0)).is_some() && steady(&bursts(20.0)).is_none());
     }
 }
