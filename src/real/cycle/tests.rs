@@ -3,6 +3,7 @@ use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, exp, hypot, sin_cos};
 use rand::RngExt;
 use rand_distr::StandardNormal;
+use rayon::prelude::*;
 
 use super::*;
 use crate::real::clock::Clock;
@@ -131,7 +132,7 @@ fn who_reacts_shows_when_the_looks_are() {
 #[test]
 fn others_of_its_make_say_how_fast_a_camera_is() {
     let camera = Clock { period_s: 0.100_04, first_s: 0.031 };
-    for seed in 31..33 {
+    (31..33).into_par_iter().for_each(|seed: u64| {
         let (log, _) = driven(Driver::Reacting, Some(camera), seed, 0.04, 0.025);
         assert_eq!(crate::real::clock::dated(&log, 10.0).period_s, None, "{seed}");
         let told = dated_like_others(&log, 0.100_042, PERIOD_S).unwrap();
@@ -143,7 +144,7 @@ fn others_of_its_make_say_how_fast_a_camera_is() {
         assert!(share > 0.8, "{seed}: {share} {}", told.said);
         let (log, _) = driven(Driver::Reacting, None, seed, 0.04, 0.025);
         assert_eq!(dated_like_others(&log, 0.100_042, PERIOD_S).map(|it| it.said), None, "{seed}");
-    }
+    });
 }
 
 /// Length and lateness are those of the robot's software; commands as they were taken up turn the robot as it turned, twice as well as
