@@ -3,7 +3,7 @@
 //! Streams of slight turns are short and of many rates, so that no stretch of one rate says it: it is told by turns over windows, beside turns in
 //! proportion to what is told and to the way.
 
-use asami_dataset::{Command, Dataset};
+use asami_dataset::{Action, Command, Dataset};
 use asami_sim::effects::turn_step::lacks_rad_per_s;
 
 use super::robust::{Row, fitted};
@@ -19,13 +19,13 @@ const LACKS_RAD: f64 = 0.01;
 pub(super) fn turn_step(dataset: &Dataset, late_s: f64) -> Option<f64> {
     let commands = &dataset.log.commands;
     let (first, last) = (commands.first()?, commands.last()?);
-    let (turning, lacking) = (Commanded::new(commands, 0.0, 0.0), Lacking::of(commands));
+    let [turning, lacking] = [&commands[..], &lacking(commands)].map(|it| Commanded::new(it, 0.0, 0.0));
     let n = ((last.t_s - first.t_s) / WINDOW_S) as usize;
     let row = |i: usize| -> Option<Row<3>> {
         let from_s = first.t_s + i as f64 * WINDOW_S;
         let made = window(&dataset.truth.track, from_s + late_s, WINDOW_S)?;
-        let lacks_rad = lacking.until(from_s + WINDOW_S) - lacking.until(from_s);
-        Some(([turning.over(from_s, WINDOW_S)[1], lacks_rad, made.moved(0)], made.moved(1)))
+        let [told_rad, lacks_rad] = [&turning, &lacking].map(|it| it.over(from_s, WINDOW_S)[1]);
+        Some(([told_rad, lacks_rad, made.moved(0)], made.moved(1)))
     };
     let rows: Vec<Row<3>> = (0..n).filter_map(row).collect();
     let telling = rows.iter().filter(|(x, _)| x[1].abs() >= LACKS_RAD).count();
@@ -36,34 +36,19 @@ pub(super) fn turn_step(dataset: &Dataset, late_s: f64) -> Option<f64> {
     Some(share)
 }
 
-/// What slight turns lack of whole steps, added up from the first command on.
-struct Lacking<'a> {
-    commands: &'a [Command],
-    sums_rad: Vec<f64>,
-}
-
-impl<'a> Lacking<'a> {
-    fn of(commands: &'a [Command]) -> Self {
-        let mut sums_rad = vec![0.0];
-        for pair in commands.windows(2) {
-            sums_rad.push(sums_rad[sums_rad.len() - 1] + rate_rad_per_s(&pair[0]) * (pair[1].t_s - pair[0].t_s));
-        }
-        Self { commands, sums_rad }
-    }
-
-    fn until(&self, t_s: f64) -> f64 {
-        let at = self.commands.partition_point(|it| it.t_s <= t_s).max(1) - 1;
-        self.sums_rad[at] + rate_rad_per_s(&self.commands[at]) * (t_s - self.commands[at].t_s).max(0.0)
-    }
-}
-
-fn rate_rad_per_s(command: &Command) -> f64 {
-    command.action.velocity().map_or(0.0, |[v, omega]| lacks_rad_per_s(v, omega))
+/// To turn, at each command, by what that lacks of a whole step.
+fn lacking(commands: &[Command]) -> Vec<Command> {
+    let lacks = |command: &Command| {
+        let [v_m_per_s, omega_rad_per_s] = command.action.velocity()?;
+        let omega_rad_per_s = lacks_rad_per_s(v_m_per_s, omega_rad_per_s);
+        Some(Command { action: Action::Wheels { id: None, v_m_per_s, omega_rad_per_s }, ..*command })
+    };
+    commands.iter().filter_map(lacks).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use asami_dataset::{Action, Log, TruePose, Truth};
+    use asami_dataset::{Log, TruePose, Truth};
     use asami_math::elementary::sin_cos;
 
     use super::*;
