@@ -15,7 +15,9 @@ pub mod survey;
 pub mod truth;
 
 pub use firings::Firings;
-pub use log::{Action, Beacon, Camera, Channel, Command, Frame, Known, Log, Odometry, Sighting, Size, Timed};
+pub use log::{
+    Action, Beacon, Camera, Channel, Command, CommandsAre, Frame, Known, Log, Odometry, Sighting, Size, Timed,
+};
 pub use models::{ActionModel, Models, Noise, SensorModel};
 pub use seed::{Rng, Seed};
 pub use survey::Survey;

@@ -211,6 +211,16 @@ pub struct Beacon {
     pub height_m: Option<f64>,
 }
 
+/// What stands in `commands.csv`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CommandsAre {
+    /// What the robot was told.
+    #[default]
+    Told,
+    /// What its wheels were measured to do: odometry stands in for commands that nobody wrote down.
+    Odometry,
+}
+
 /// What the robot knows before it moves: `dataset.toml` less its provenance.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Known {
@@ -220,6 +230,8 @@ pub struct Known {
     pub nominal: Option<String>,
     /// How often the controller looks at the command.
     pub command_rate_hz: Option<f64>,
+    /// What commands are.
+    pub commands_are: CommandsAre,
     /// The camera, of a robot that has one.
     pub camera: Option<Camera>,
     /// The range-bearing sensor, of a robot that has one.

@@ -101,6 +101,13 @@ fn every_rule_names_file_line_column_and_value() {
         (AIBO, "dataset.toml", "schema = 1", "schema = \"1\"", "dataset.toml:1:10: schema must be 1, not \"1\""),
         (AIBO, "dataset.toml", "schema = 1\n", "", "a key schema must be given"),
         (AIBO, "dataset.toml", "\"aibo\"", "\"cat\"", "dataset.toml:2:9: robot must be one of \"aibo\""),
+        (
+            CREATE,
+            "dataset.toml",
+            "[range_bearing]",
+            "commands_are = \"wished\"\n[range_bearing]",
+            "dataset.toml:3:16: commands_are must be \"told\" or \"odometry\"",
+        ),
         (AIBO, "dataset.toml", "robot = \"aibo\"\n", "", "a key robot must be given"),
         (AIBO, "dataset.toml", "nominal", "nominel", "dataset.toml:3:1: unknown key nominel (keys: schema, robot, nominal"),
         (AIBO, "dataset.toml", "focal_px", "focal", "a key focal_px must be given"),

@@ -6,8 +6,8 @@ use asami_dataset::log::{RangeBearing, Velodyne};
 use asami_dataset::models::{Curve, Entry, NoiseErrors};
 use asami_dataset::survey::{Height, Speed, Velocity};
 use asami_dataset::{
-    Action, ActionModel, Beacon, Camera, Command, Dataset, Frame, Known, Log, Models, Noise, Odometry, Provenance,
-    SensorModel, Sighting, Size, Survey, TruePose, Truth, store,
+    Action, ActionModel, Beacon, Camera, Command, CommandsAre, Dataset, Frame, Known, Log, Models, Noise, Odometry,
+    Provenance, SensorModel, Sighting, Size, Survey, TruePose, Truth, store,
 };
 use asami_math::angle::wrap_rad;
 use asami_math::polynomial::Polynomial;
@@ -91,6 +91,7 @@ fn known(robot: &'static str) -> impl Strategy<Value = Known> {
         .prop_map(move |(nominal, command_rate_hz, camera, sensor, landmarks, velodyne, full_scale)| Known {
             robot: robot.to_owned(),
             nominal,
+            commands_are: if command_rate_hz.is_some() { CommandsAre::Odometry } else { CommandsAre::Told },
             command_rate_hz,
             range_bearing: sensor
                 .filter(|_| camera.is_none())

@@ -2,7 +2,7 @@
 
 mod ride;
 
-use asami_dataset::{Action, Command, Frame, Log, Sighting};
+use asami_dataset::{Action, Command, CommandsAre, Frame, Log, Sighting};
 
 /// Nothing can be said of the log.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -244,12 +244,15 @@ fn lacks(log: &Log) -> Result<Vec<String>, ShowsNothing> {
         ));
     }
     notes.extend(commanded_alike(log).then(|| ALIKE.to_owned()));
+    notes.extend((log.known.commands_are == CommandsAre::Odometry).then(|| MEASURED.to_owned()));
     if log.frames.is_none() {
         notes.push("the log has no frames.csv: sightings that were missed cannot be seen".to_owned());
     }
     Ok(notes)
 }
 
+const MEASURED: &str =
+    "odometry stands in for commands: what the robot and its wheels make of what they are told does not show";
 const ALIKE: &str = "the command never changes: delays, lags and all that shows where commands change cannot be seen";
 
 /// The same of a car with a laser scanner.
@@ -284,7 +287,7 @@ fn commanded_alike(log: &Log) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use asami_dataset::{Command, Sighting, Size};
+    use asami_dataset::{Command, Known, Sighting, Size};
 
     use super::*;
 
@@ -327,7 +330,7 @@ mod tests {
 
     #[test]
     fn a_car_without_scans_is_refused() {
-        let known = asami_dataset::Known { robot: "car".to_owned(), ..Default::default() };
+        let known = Known { robot: "car".to_owned(), ..Default::default() };
         let drive = Log { known: known.into(), ..log(60.0, None, [0.1, 0.2]) };
         assert_eq!(limits(&drive), Err(ShowsNothing::NoFirings));
         let firings = |until_s: f64| asami_dataset::Firings { t_s: vec![0.0, until_s], ..Default::default() };
@@ -347,6 +350,10 @@ mod tests {
     fn what_does_not_show_is_noted() {
         let notes = |log: &Log| limits(log).unwrap().notes.join("\n");
         assert!(notes(&log(60.0, None, [0.1; 2])).contains("the command never changes"));
+        let known = Known { commands_are: CommandsAre::Odometry, ..Known::default() };
+        let measured = Log { known: known.into(), ..log(60.0, None, [0.1, 0.2]) };
+        assert!(notes(&measured).contains("odometry stands in for commands"));
+        assert!(!notes(&log(60.0, None, [0.1, 0.2])).contains("odometry"));
         let gap = notes(&log(400.0, Some([30.0, 50.0]), [0.1, 0.2]));
         assert!(gap.contains("between 30.0 s and 50.0 s (1 such gaps)") && !gap.contains("never changes"), "{gap}");
         assert!(!gap.contains("is looked at"), "{gap}");

@@ -15,7 +15,9 @@
 use std::path::{Path, PathBuf};
 
 use asami_dataset::log::RangeBearing;
-use asami_dataset::{Action, Beacon, Command, Dataset, Frame, Known, Log, Sighting, Size, Survey, TruePose, Truth};
+use asami_dataset::{
+    Action, Beacon, Command, CommandsAre, Dataset, Frame, Known, Log, Sighting, Size, Survey, TruePose, Truth,
+};
 
 use super::clock::{self, Timing};
 use super::columns::{self, Row, required};
@@ -79,6 +81,7 @@ fn dataset(file: &Path, rows: &[Row<4>], timing: &Timing) -> Result<Dataset, Imp
     let known = Known {
         robot: "create".to_owned(),
         command_rate_hz: Some((timing.rate_hz * 1e6).round() / 1e6),
+        commands_are: CommandsAre::Odometry,
         range_bearing: Some(RangeBearing { max_range_m, sensor_origin_m: [0.0, 0.0] }),
         landmarks: vec![Beacon { id: 0, x_m: 0.0, y_m: LANDMARK_M, height_m: None }],
         ..Known::default()

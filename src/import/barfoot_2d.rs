@@ -15,7 +15,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
 use asami_dataset::log::RangeBearing;
-use asami_dataset::{Action, Beacon, Command, Frame, Known, Log, Sighting, Size, TruePose};
+use asami_dataset::{Action, Beacon, Command, CommandsAre, Frame, Known, Log, Sighting, Size, TruePose};
 use asami_math::angle::wrap_rad;
 
 use super::columns::{self, required};
@@ -57,6 +57,7 @@ pub fn read(source: &Path) -> Result<Imported, ImportError> {
     let known = Known {
         robot: "create".to_owned(),
         command_rate_hz: Some(10.0),
+        commands_are: CommandsAre::Odometry,
         range_bearing: Some(RangeBearing { max_range_m, sensor_origin_m: [0.0, LASER_AHEAD_M] }),
         landmarks,
         ..Known::default()

@@ -8,7 +8,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::path::{Path, PathBuf};
 
 use asami_dataset::log::RangeBearing;
-use asami_dataset::{Action, Beacon, Command, Frame, Known, Log, Sighting, Size, TruePose};
+use asami_dataset::{Action, Beacon, Command, CommandsAre, Frame, Known, Log, Sighting, Size, TruePose};
 use asami_math::angle::wrap_rad;
 use serde::Deserialize;
 
@@ -63,10 +63,22 @@ enum Sense {
     Clockwise,
 }
 
+/// What commands are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Are {
+    #[default]
+    Told,
+    Odometry,
+}
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Commands {
     file: String,
+    /// What they are; what the robot was told, unless said.
+    #[serde(default)]
+    are: Are,
     t: Column,
     v: Column,
     omega: Column,
@@ -180,7 +192,7 @@ impl Reading<'_> {
 
     /// Commands, on a clock that begins with the first, how regularly they come, and what that clock's 0 was.
     fn commands(&self, notes: &mut Vec<String>) -> Result<(Vec<Command>, Timing, f64), ImportError> {
-        let Commands { file, t, v, omega } = &self.table.commands;
+        let Commands { file, are, t, v, omega } = &self.table.commands;
         let of = [self.si(t, Dimension::Time)?, self.si(v, Dimension::Speed)?, self.si(omega, Dimension::Turning)?];
         let given = self.rows(file, of)?;
         let timing = clock::timing(&given.file, &t.column, &given.times())?;
@@ -191,7 +203,15 @@ impl Reading<'_> {
         };
         let commands: Vec<Command> = given.rows.iter().map(command).collect();
         notes.extend([
-            "assumed: commands are a wheeled robot's speeds, each held until the next (robot \"create\")".to_owned(),
+            match are {
+                Are::Told => {
+                    "assumed: commands are a wheeled robot's speeds, each held until the next (robot \"create\")"
+                }
+                Are::Odometry => {
+                    "assumed: the wheels' speeds stand in for the command, held until the next (robot \"create\")"
+                }
+            }
+            .to_owned(),
             format!("found: {} commands; the clock is set to 0 at the first, {zero_s} s", commands.len()),
         ]);
         notes.extend(timing.notes("commands"));
@@ -226,6 +246,10 @@ impl Reading<'_> {
             command_rate_hz: Some((timing.rate_hz * 1e6).round() / 1e6),
             range_bearing: Some(self.sensor(&sightings, &mut notes)?),
             landmarks,
+            commands_are: match self.table.commands.are {
+                Are::Told => CommandsAre::Told,
+                Are::Odometry => CommandsAre::Odometry,
+            },
             ..Known::default()
         };
         let log = Log {

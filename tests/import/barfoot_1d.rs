@@ -44,6 +44,7 @@ fn a_made_log_becomes_a_data_set_in_our_frame() {
 
     let dataset = store::read(&out).unwrap();
     assert_eq!(dataset.log.known.robot, "create");
+    assert_eq!(dataset.log.known.commands_are, asami_dataset::CommandsAre::Odometry);
     assert_eq!(dataset.log.frames.as_ref().unwrap().len(), 300);
     assert_eq!(dataset.log.sightings.len(), 299);
     let yardstick = Yardstick::of(&dataset.log, &dataset.truth);

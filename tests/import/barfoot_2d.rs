@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use asami::import::barfoot_2d::read;
-use asami_dataset::{Dataset, Size, store};
+use asami_dataset::{CommandsAre, Dataset, Size, store};
 
 use crate::{Source, import, real, refused, refused_when_broken, said, unspaced, write};
 
@@ -58,6 +58,7 @@ fn a_made_log_becomes_a_data_set_in_our_frame() {
     // The laser sits ahead, at (4, 0.219016): the first tube is to the left and ahead of it.
     let first = log.sightings[0];
     assert_eq!(log.known.range_bearing.unwrap().sensor_origin_m, [0.0, 0.219016]);
+    assert_eq!(log.known.commands_are, CommandsAre::Odometry);
     assert!((first.bearing_rad - (4.0f64).atan2(2.0 - 0.219016)).abs() < 1e-9, "{first:?}");
     assert!(matches!(first.size, Size::RangeM(range_m) if (range_m - 4.0f64.hypot(2.0 - 0.219016)).abs() < 1e-9));
 }

@@ -1,6 +1,6 @@
 //! A robot of one's own, in the units and the frame of another house: the table of the docs, and logs made for it.
 
-use asami_dataset::{Action, Size, store};
+use asami_dataset::{Action, CommandsAre, Size, store};
 
 use crate::{Source, import, refused_when_broken, said, unspaced, write};
 
@@ -75,6 +75,18 @@ fn units_clocks_and_frames_become_ours() {
     }
 }
 
+/// The table as the docs show it, with the line that they leave out.
+#[test]
+fn odometry_may_stand_in_for_commands() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut files = source();
+    files.insert("columns.toml", table().replace("# are = ", "are = "));
+    write(&files, dir.path());
+    let run = import("csv", dir.path(), None, &dir.path().join("set"));
+    assert!(said(&run).contains(&unspaced("the wheels' speeds stand in for the command")), "{run:?}");
+    assert_eq!(store::read(&dir.path().join("set")).unwrap().log.known.commands_are, CommandsAre::Odometry);
+}
+
 #[test]
 fn what_is_wrong_is_refused_in_words() {
     refused_when_broken(
@@ -92,6 +104,12 @@ fn what_is_wrong_is_refused_in_words() {
             ["columns.toml", "max_range_m = 6.0", "max_rang_m = 6.0", "unknown field `max_rang_m`"],
             ["columns.toml", "max_range_m = 6.0", "max_range_m = -6.0", "max_range_m must be greater than 0, not -6"],
             ["columns.toml", "[0.0, 0.10]", "[0.0, inf]", "sensor_origin_m must be two finite numbers, not [0.0, inf]"],
+            [
+                "columns.toml",
+                "# are = \"odometry\"",
+                "are = \"wishes\"",
+                "unknown variant `wishes`, expected `told` or `odometry`",
+            ],
             ["columns.toml", "id = 9", "id = 7", "landmark 7 must be there once, not twice"],
             ["columns.toml", "x_m = 2.0", "x_m = nan", "landmark 7 must stand somewhere"],
             ["columns.toml", "file = \"mocap.csv\"", "file = \"vicon.csv\"", "vicon.csv: no such file or folder"],
@@ -138,6 +156,7 @@ fn commands_and_sightings_are_enough() {
     let run = import("csv", dir.path(), None, &dir.path().join("set"));
     assert!(run.status.success(), "{run:?}");
     assert!(said(&run).contains(&unspaced("the sensor's reach is the longest range in the log")));
+    assert_eq!(store::read(&dir.path().join("set")).unwrap().log.known.commands_are, CommandsAre::Told);
     let dataset = store::read(&dir.path().join("set")).unwrap();
     assert!(dataset.log.frames.is_none() && dataset.truth.track.is_empty());
     assert_eq!(dataset.log.sightings.len(), 400);

@@ -182,9 +182,21 @@ impl<'a> Keys<'a> {
         words: &[&'static str],
         rule: &'static str,
     ) -> Result<&'static str, ReadError> {
-        let text = self.text(key)?;
+        let found = self.maybe_word(key, words, rule)?;
+        self.require(key, found)
+    }
+
+    /// The same, where the key may be left out.
+    pub(super) fn maybe_word(
+        &mut self,
+        key: &'static str,
+        words: &[&'static str],
+        rule: &'static str,
+    ) -> Result<Option<&'static str>, ReadError> {
+        let Some(text) = self.maybe_text(key)? else { return Ok(None) };
         let known = words.iter().find(|word| **word == text);
-        known.copied().ok_or_else(|| self.wrong_at(key, Wrong::value(key, rule, &format!("\"{text}\""))))
+        let known = known.ok_or_else(|| self.wrong_at(key, Wrong::value(key, rule, &format!("\"{text}\""))))?;
+        Ok(Some(known))
     }
 
     pub(super) fn maybe_numbers(&mut self, key: &'static str, rule: Rule) -> Result<Option<Vec<f64>>, ReadError> {

@@ -4,10 +4,12 @@ use super::error::{ReadError, Wrong};
 use super::keys::{Keys, Source};
 use super::rule::Rule;
 use super::toml_text::{Toml, quoted};
-use crate::log::{Beacon, Camera, Known, RangeBearing, Velodyne};
+use crate::log::{Beacon, Camera, CommandsAre, Known, RangeBearing, Velodyne};
 use crate::truth::Provenance;
 
 const LASERS: usize = 64;
+/// What commands may be.
+const COMMANDED: [(&str, CommandsAre); 2] = [("told", CommandsAre::Told), ("odometry", CommandsAre::Odometry)];
 
 pub(super) fn parse(source: &Source) -> Result<(Known, Option<Provenance>), ReadError> {
     let root = source.parse()?;
@@ -16,6 +18,11 @@ pub(super) fn parse(source: &Source) -> Result<(Known, Option<Provenance>), Read
     let robot = keys.word("robot", &robots, "must be one of \"aibo\", \"car\", \"create\", \"plain\"")?.to_owned();
     let nominal = keys.maybe_text("nominal")?;
     let command_rate_hz = keys.maybe_number("command_rate_hz", Rule::Positive)?;
+    let commands_are =
+        match keys.maybe_word("commands_are", &COMMANDED.map(|it| it.0), "must be \"told\" or \"odometry\"")? {
+            Some(word) => COMMANDED.iter().find(|it| it.0 == word).map_or_else(CommandsAre::default, |it| it.1),
+            None => CommandsAre::default(),
+        };
     let camera = keys.maybe_table("camera")?.map(camera).transpose()?;
     let range_bearing = keys.maybe_table("range_bearing")?.map(range_bearing).transpose()?;
     if camera.is_some() && range_bearing.is_some() {
@@ -29,7 +36,8 @@ pub(super) fn parse(source: &Source) -> Result<(Known, Option<Provenance>), Read
     };
     let provenance = keys.maybe_table("provenance")?.map(provenance).transpose()?;
     keys.close()?;
-    let known = Known { robot, nominal, command_rate_hz, camera, range_bearing, landmarks, velodyne, full_scale };
+    let known =
+        Known { robot, nominal, command_rate_hz, commands_are, camera, range_bearing, landmarks, velodyne, full_scale };
     Ok((known, provenance))
 }
 
@@ -122,6 +130,9 @@ pub(super) fn text(known: &Known, provenance: Option<&Provenance>) -> String {
         toml.text("nominal", nominal);
     }
     toml.maybe_number("command_rate_hz", known.command_rate_hz);
+    if known.commands_are != CommandsAre::default() {
+        COMMANDED.iter().filter(|it| it.1 == known.commands_are).for_each(|it| toml.text("commands_are", it.0));
+    }
     if let Some(camera) = &known.camera {
         toml.head("[camera]");
         toml.whole("width_px", camera.width_px.into());

@@ -20,6 +20,7 @@
 //!   ends in a line break, so that a file cut short shows. Columns may stand in any order; unknown
 //!   and doubled ones are errors, except that `truth.csv` may have further columns of numbers, which
 //!   are passed over. A field is empty only where there is no value (`action`, a true speed).
+//! - `commands_are` is `"told"`, as without it, or `"odometry"`.
 //! - Every number is finite; angles lie in `[-pi, pi)`; heights and ranges are positive, pedals in
 //!   0..=1, steering in -1..=1, ids whole numbers in 0..=65535.
 //! - Times increase from row to row; sightings of one frame share its time.

@@ -1,7 +1,8 @@
 //! What a robot was told, and whether an effect on that would have made anything else of it: where it would not, no log shows it, and what
-//! of its response a library learned from other commands fits is of something else.
+//! of its response a library learned from other commands fits is of something else. Where odometry stands in for commands, nobody knows what
+//! the robot was told, and what its wheels made of that is in the odometry.
 
-use asami_dataset::{Command, Seed};
+use asami_dataset::{Command, CommandsAre, Known, Seed};
 use asami_sim::effect::Stage;
 use asami_sim::effects::Effects;
 
@@ -9,6 +10,14 @@ use crate::plant::Variant;
 
 /// Commands in force are looked at so often, in seconds.
 const TICK_S: f64 = 0.01;
+
+/// What a robot and its wheels make of what they are told.
+const OF_TOLD: [&str; 6] = ["command_cycle", "late_start", "slight_turns", "speed_steps", "turn_slowing", "turn_step"];
+
+/// Whether commands are such that an effect of this kind would show in what becomes of them.
+pub(super) fn shows_beside(variant: &Variant, known: &Known) -> bool {
+    known.commands_are == CommandsAre::Told || !OF_TOLD.contains(&variant.about.name)
+}
 
 /// Whether an effect of this kind, at its greatest, makes anything else of these commands. What does not act on commands is not asked.
 pub(super) fn acts(variant: &Variant, commands: &[Command]) -> bool {
@@ -56,6 +65,20 @@ mod tests {
         // Never told to go again.
         assert!(!acts(&late, &told(&[0.1, 0.05, 0.0])));
         assert!(acts(&late, &told(&[0.1, 0.0, 0.1])));
+    }
+
+    /// What scales, slips and comes late is between the wheels and the ground, or in the clocks: it is there beside odometry as well.
+    #[test]
+    fn odometry_has_what_wheels_made_of_commands() {
+        let [told, odometry] =
+            [CommandsAre::Told, CommandsAre::Odometry].map(|commands_are| Known { commands_are, ..Known::default() });
+        let all: Vec<&str> = catalogue().into_iter().map(|about| about.name).collect();
+        assert!(all.iter().all(|name| shows_beside(&kind(name), &told)));
+        let hidden: Vec<&str> = all.into_iter().filter(|name| !shows_beside(&kind(name), &odometry)).collect();
+        assert_eq!(hidden, OF_TOLD, "they are in the catalogue, in its order");
+        for name in ["wheel_base", "command_scale", "unequal_wheels", "wheel_lag", "range_scale"] {
+            assert!(shows_beside(&kind(name), &odometry), "{name}");
+        }
     }
 
     #[test]

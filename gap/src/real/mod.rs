@@ -34,7 +34,7 @@ use crate::plant::{Planted, Variant};
 use crate::view::CannotSee;
 use crate::weigh::causes::{NONE, UNKNOWN};
 use crate::weigh::groups::{SPLIT_NATS, smallest_visible};
-use acts::acts;
+use acts::{acts, shows_beside};
 use crossed::Crossed;
 use folds::Folds;
 use kin::Kin;
@@ -132,7 +132,8 @@ pub fn diagnose_among(
     let least = Least { kin: kin.clone(), ..LEAST };
     // A single landmark that stands elsewhere is a robot that does.
     let shows = |it: &&Variant| it.place() != Place::Scene || nominal.base.shape.landmarks > 1;
-    let there = |it: &&Variant| it.block() != Block::Noise && shows(it) && acts(it, &log.commands);
+    let told = |it: &&Variant| shows_beside(it, &log.known) && acts(it, &log.commands);
+    let there = |it: &&Variant| it.block() != Block::Noise && shows(it) && told(it);
     let variants: Vec<Variant> = variants.iter().filter(there).cloned().collect();
     let folds = Folds::default();
     let mut library = nominal.clone();
