@@ -87,11 +87,12 @@ fn known(robot: &'static str) -> impl Strategy<Value = Known> {
         proptest::collection::btree_map(any::<u16>(), landmark, 1..6),
         option::of(velodyne),
         proptest::collection::btree_map(".{1,8}", positive(), 0..3),
+        any::<bool>(),
     )
-        .prop_map(move |(nominal, command_rate_hz, camera, sensor, landmarks, velodyne, full_scale)| Known {
+        .prop_map(move |(nominal, command_rate_hz, camera, sensor, landmarks, velodyne, full_scale, told)| Known {
             robot: robot.to_owned(),
             nominal,
-            commands_are: if command_rate_hz.is_some() { CommandsAre::Odometry } else { CommandsAre::Told },
+            commands_are: if told { CommandsAre::Told } else { CommandsAre::Odometry },
             command_rate_hz,
             range_bearing: sensor
                 .filter(|_| camera.is_none())

@@ -63,11 +63,10 @@ enum Sense {
     Clockwise,
 }
 
-/// What commands are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+/// The words for what commands are.
+#[derive(Deserialize)]
+#[serde(remote = "CommandsAre", rename_all = "snake_case")]
 enum Are {
-    #[default]
     Told,
     Odometry,
 }
@@ -77,8 +76,8 @@ enum Are {
 struct Commands {
     file: String,
     /// What they are; what the robot was told, unless said.
-    #[serde(default)]
-    are: Are,
+    #[serde(default, with = "Are")]
+    are: CommandsAre,
     t: Column,
     v: Column,
     omega: Column,
@@ -204,10 +203,10 @@ impl Reading<'_> {
         let commands: Vec<Command> = given.rows.iter().map(command).collect();
         notes.extend([
             match are {
-                Are::Told => {
+                CommandsAre::Told => {
                     "assumed: commands are a wheeled robot's speeds, each held until the next (robot \"create\")"
                 }
-                Are::Odometry => {
+                CommandsAre::Odometry => {
                     "assumed: the wheels' speeds stand in for the command, held until the next (robot \"create\")"
                 }
             }
@@ -246,10 +245,7 @@ impl Reading<'_> {
             command_rate_hz: Some((timing.rate_hz * 1e6).round() / 1e6),
             range_bearing: Some(self.sensor(&sightings, &mut notes)?),
             landmarks,
-            commands_are: match self.table.commands.are {
-                Are::Told => CommandsAre::Told,
-                Are::Odometry => CommandsAre::Odometry,
-            },
+            commands_are: self.table.commands.are,
             ..Known::default()
         };
         let log = Log {

@@ -18,11 +18,8 @@ pub(super) fn parse(source: &Source) -> Result<(Known, Option<Provenance>), Read
     let robot = keys.word("robot", &robots, "must be one of \"aibo\", \"car\", \"create\", \"plain\"")?.to_owned();
     let nominal = keys.maybe_text("nominal")?;
     let command_rate_hz = keys.maybe_number("command_rate_hz", Rule::Positive)?;
-    let commands_are =
-        match keys.maybe_word("commands_are", &COMMANDED.map(|it| it.0), "must be \"told\" or \"odometry\"")? {
-            Some(word) => COMMANDED.iter().find(|it| it.0 == word).map_or_else(CommandsAre::default, |it| it.1),
-            None => CommandsAre::default(),
-        };
+    let word = keys.maybe_word("commands_are", &COMMANDED.map(|it| it.0), "must be \"told\" or \"odometry\"")?;
+    let commands_are = COMMANDED.iter().find(|it| Some(it.0) == word).map_or_else(CommandsAre::default, |it| it.1);
     let camera = keys.maybe_table("camera")?.map(camera).transpose()?;
     let range_bearing = keys.maybe_table("range_bearing")?.map(range_bearing).transpose()?;
     if camera.is_some() && range_bearing.is_some() {

@@ -81,6 +81,20 @@ mod tests {
         }
     }
 
+    /// Whatever acts on commands before wheels do hides there, but for a delay, which may as well be of a clock.
+    #[test]
+    fn odometry_hides_all_that_acts_on_commands() {
+        let of_commands = |variant: &Variant| {
+            let mut effects = Effects::default();
+            variant.plant(variant.sizes().1, &mut effects);
+            let mut stages = effects.iter().filter_map(|effect| effect.stage(Seed(0).stream("acts/test")));
+            stages.any(|stage| matches!(stage, Stage::Command(_)))
+        };
+        let names = catalogue().into_iter().map(|about| about.name).filter(|name| of_commands(&kind(name)));
+        let shown: Vec<&str> = names.filter(|name| !OF_TOLD.contains(name)).collect();
+        assert_eq!(shown, ["command_delay"]);
+    }
+
     #[test]
     fn what_is_late_always_acts_and_what_acts_elsewhere_is_not_asked() {
         for name in ["command_delay", "wheel_base", "wheel_lag", "slight_turns", "range_scale"] {
