@@ -1,10 +1,12 @@
 //! Robots of one make, each diagnosed again beside what the others' own logs say ([`Kin`]): an effect that others have is named by
-//! less evidence, one that none of them has by more. A robot's own log has no part in what is expected of it, nor has motion capture.
+//! less evidence, one that none of them has by more, and evidence counts as much less as halves of the others' logs differ by more than
+//! they are said to. A robot's own log has no part in what is expected of it, nor has motion capture.
 
 use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::{Cause, Estimate};
 use asami_gap::real::kin::Kin;
 
+use super::make::wider;
 use super::tables::{agreed, by_capture, effects, failed, robot, said};
 use super::walk::{Part, Record};
 use crate::diagnose::words;
@@ -20,7 +22,9 @@ pub fn kin(records: &[Record], log: &str, robot: Option<u16>) -> Option<Kin> {
     let of_make: Vec<(Option<u16>, &Diagnosis)> =
         of_make.filter_map(|it| Some((it.robot, it.diagnosis.as_ref()?))).collect();
     let others = of_make.iter().filter(|it| it.0 != robot).map(|it| it.1);
-    (of_make.len() >= LEAST && robot.is_some()).then(|| Kin::of(others))
+    let theirs: Vec<&Record> =
+        records.iter().filter(|it| it.log == log && it.robot.is_some() && it.robot != robot).collect();
+    (of_make.len() >= LEAST && robot.is_some()).then(|| Kin::of(others).whose_halves_differ(wider(&theirs)))
 }
 
 /// Of what is named, that which explains most of what motion is off by motion capture, and its size.
@@ -55,7 +59,8 @@ pub fn table(records: &[Record]) -> Table {
     ];
     let mut table = Table::new("Real robots among their make", &heads).caption(
         "The same logs, each robot's beside what the whole logs of the others say: beforehand an effect is as probable as it is \
-         common among them (a beta distribution; by itself ten to one are against it, which counts as much as one robot). In \
+         common among them (a beta distribution; by itself ten to one are against it, which counts as much as one robot), and what a \
+         log says counts as much less as halves of the others' differ by more than they are said to. In \
          brackets: small parts that are not settled. Off most: of the effects of motion that are named that which motion \
          capture says explains most by itself.",
     );
@@ -138,6 +143,17 @@ mod tests {
         let others = [&records[2], &records[4]].map(|it| it.diagnosis.as_ref().unwrap());
         assert_eq!(kin(&records, "creates", Some(1)), Some(Kin::of(others)));
         assert_eq!(kin(&records, "tubes", None), None);
+        assert_eq!(kin(&records, "creates", Some(1)).map(|it| it.counts()), Some(1.0));
+        // Halves of another robot that differ by 1.5, where each is said to be unsure of 1 from end to end of nine tenths.
+        records.push(record(2, Part::SecondHalf, &["turn_slowing"]));
+        let estimate = |record: &mut Record| {
+            let cause = &mut record.diagnosis.as_mut().unwrap().which[0];
+            cause.parameters.get_mut("turn_slowing.loss_s2").unwrap().value += 1.5;
+        };
+        estimate(records.last_mut().unwrap());
+        let counts = kin(&records, "creates", Some(1)).map(|it| it.counts()).unwrap();
+        assert!((counts - 2.0 / (1.5 * 3.29_f64).powi(2)).abs() < 1e-9, "{counts}");
+        assert_eq!(kin(&records, "creates", Some(2)).map(|it| it.counts()), Some(1.0), "its own do not count");
     }
 
     /// Of what is named the effect that capture says explains most: slowing, where no lag is named.

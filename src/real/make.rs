@@ -60,7 +60,7 @@ fn error(of: &Estimate) -> f64 {
 }
 
 /// By how much halves differ by more than they are said to, over all sizes that both halves of a log name; no less than 1.
-fn wider(records: &[&Record]) -> f64 {
+pub(super) fn wider(records: &[&Record]) -> f64 {
     let halves = |robot: Option<u16>| {
         let half = |part: Part| records.iter().find(|it| it.robot == robot && it.part == part).map(|it| sizes(it));
         half(Part::FirstHalf).zip(half(Part::SecondHalf))

@@ -3,6 +3,7 @@
 
 mod acts;
 pub mod astray;
+mod cautious;
 pub mod crossed;
 pub mod folds;
 pub mod kin;
@@ -35,6 +36,7 @@ use crate::view::CannotSee;
 use crate::weigh::causes::{NONE, UNKNOWN};
 use crate::weigh::groups::{SPLIT_NATS, smallest_visible};
 use acts::{acts, shows_beside};
+use cautious::Cautious;
 use crossed::Crossed;
 use folds::Folds;
 use kin::Kin;
@@ -144,7 +146,7 @@ pub fn diagnose_among(
         let of_others = |fold: usize| library.noisy_as(log, |t_s| folds.of(t_s) != fold, &with, before.get(fold));
         let noisy: Vec<Library> = (0..folds.count).into_par_iter().map(of_others).collect::<Result<_, _>>()?;
         let judge = Crossed::new(log, &noisy, folds, &with)?;
-        found = search.layers(&judge, &variants, &least);
+        found = search.layers(&Cautious::new(&judge, kin.counts()), &variants, &least);
         // A robot that is known to be somewhere later has fewer steps that are scored.
         let likely = judge.log_likelihood(&planted(&found)) / judge.steps().len().max(1) as f64;
         if round < LOOKING {
@@ -156,11 +158,12 @@ pub fn diagnose_among(
     }
     let (_, noisy, found) = best;
     let judge = Crossed::new(log, &noisy, folds, &planted(&found))?;
-    let found = search.again(&judge, &variants, found, &least);
-    let (found, unsettled) = settled(&judge, found);
+    let cautious = Cautious::new(&judge, kin.counts());
+    let found = search.again(&cautious, &variants, found, &least);
+    let (found, unsettled) = settled(&cautious, found);
     // What is left open is not there to make up for anything: the others alone explain as much as they do where they are likeliest.
     let alone = (!unsettled.is_empty()).then(|| planted(&found));
-    let (found, draws) = sized(&judge, &variants, found, &least);
+    let (found, draws) = sized(&cautious, &variants, found, &least);
     let with = alone.unwrap_or_else(|| planted(&found));
     let astray_s = library.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
     let noise = noise::compared(nominal, &noisy);
