@@ -35,6 +35,12 @@ impl Pace {
         Self { so_far: at.iter().map(term).scan(0.0, sum).collect() }
     }
 
+    /// That of a reading of which each nat counts so many times.
+    #[must_use]
+    pub fn times(&self, times: f64) -> Self {
+        Self { so_far: self.so_far.iter().map(|it| times * it).collect() }
+    }
+
     /// The whole log's.
     #[must_use]
     pub fn total(&self) -> f64 {

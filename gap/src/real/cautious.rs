@@ -8,6 +8,7 @@
 use crate::directions::Direction;
 use crate::judge::{Channel, Judge, Moment, Reading, Regime};
 use crate::plant::{Planted, Variant};
+use crate::race::Pace;
 
 /// A log, of whose nats so much counts.
 pub struct Cautious<'a> {
@@ -48,6 +49,10 @@ impl Judge for Cautious<'_> {
 
     fn terms(&self, numbers: &[f64]) -> Vec<f64> {
         self.of(self.judge.terms(numbers))
+    }
+
+    fn beside(&self, numbers: &[f64], pace: &Pace) -> f64 {
+        self.counts * self.judge.beside(numbers, &pace.times(1.0 / self.counts))
     }
 
     fn steps(&self) -> &[Moment] {
