@@ -305,6 +305,14 @@ impl Log {
         }
     }
 
+    /// Its two halves, as long as each other.
+    #[must_use]
+    pub fn halves(&self) -> [Log; 2] {
+        let (first_s, last_s) = self.span_s().unwrap_or_default();
+        let middle_s = 0.5 * (first_s + last_s);
+        [self.window(f64::NEG_INFINITY..middle_s), self.window(middle_s..f64::INFINITY)]
+    }
+
     /// Times of the first and last row of any channel; `None` for an empty log.
     #[must_use]
     pub fn span_s(&self) -> Option<(f64, f64)> {

@@ -14,6 +14,7 @@ use asami_gap::real::crossed::Crossed;
 use asami_gap::real::folds::Folds;
 use asami_gap::real::kin::Kin;
 use asami_gap::real::layers::{Least, layers, planted as of_layers};
+use asami_gap::real::prior::Prior;
 use asami_gap::shape::Numbers;
 use asami_gap::view::View;
 use asami_gap::{Library, Planted, Responds, Sighted, Variant, real};
@@ -129,7 +130,7 @@ fn three_are_named(seed: u64, search: Search) {
     let wrong =
         [planted("command_scale", -1.0, 0.12), planted("image_delay", 1.0, 0.08), planted("height_bias", 1.0, 1.5)];
     let log = log([1.3, 1.3, 1.4], &wrong, seed);
-    let diagnosis = real::diagnose_among(library(), &variants(), &log, &Kin::NONE, search).unwrap();
+    let diagnosis = real::diagnose_among(library(), &variants(), &log, &Prior::NONE, search).unwrap();
     assert_eq!(named(&diagnosis), ["command_scale", "height_bias", "image_delay"], "seed {seed}");
     assert_eq!(diagnosis.verdict, Verdict::Named, "seed {seed}");
     for (name, expected) in

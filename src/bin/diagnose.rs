@@ -73,6 +73,10 @@ struct Arguments {
     /// effects that act alike the one that comes first may make up for the others. Takes about half as long again
     #[arg(long, requires = "real")]
     both_ways: bool,
+    /// Of a real robot, halves of the log are diagnosed first, each by itself: by how much they differ by more than they are said to, so
+    /// much less is said for sure of the whole. Takes about twice as long
+    #[arg(long, requires = "real")]
+    by_halves: bool,
     /// Of a real robot, the diagnosis.json of another of its make, by its own log: what others have, it is expected to have, and what
     /// none of them has, it is not; may be given again
     #[arg(long, value_name = "FILE", requires = "real")]
@@ -101,6 +105,7 @@ fn main() -> ExitCode {
             calibrate: arguments.calibrate,
             real: arguments.real,
             kin: kin::read(&arguments.kin)?,
+            by_halves: arguments.by_halves,
             search: Search::of(arguments.both_ways),
             picture_period_s: clocks.picture_period_s,
             command_cycle_s: clocks.command_cycle_s,

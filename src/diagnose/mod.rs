@@ -22,6 +22,7 @@ use asami_gap::answer::diagnose::Diagnoser;
 use asami_gap::answer::diagnosis::CalibratedOn;
 use asami_gap::library::Responses;
 use asami_gap::real::kin::Kin;
+use asami_gap::real::prior::{Prior, halves_differ};
 use asami_gap::real::scanner::lasers::Laser;
 use asami_gap::real::scanner::{self, Found};
 use asami_gap::real::{self, Search};
@@ -79,6 +80,9 @@ pub struct Asked {
     pub real: bool,
     /// And what others of its make have.
     pub kin: Kin,
+    /// And whether its halves are diagnosed first, each by itself, and its nats count as much less as they differ by more than they
+    /// are said to.
+    pub by_halves: bool,
     /// And in which order effects are found.
     pub search: Search,
     /// And, where its camera takes pictures by a clock of its own, from each to the next.
@@ -196,15 +200,14 @@ impl Ready {
         Ok(Findings::new(&*self.shelved.library.judge(log)?, &self.variants).evidence())
     }
 
-    /// The same of a real robot's log, beside what is known of others of its make, or of a real laser scanner's, with what its
-    /// lasers are off by.
+    /// The same of a real robot's log, by what is known beforehand, or of a real laser scanner's, with what its lasers are off by.
     ///
     /// # Errors
     /// [`CannotSee`] says what the log lacks.
-    pub fn diagnose_real(&self, log: &Log, kin: &Kin, search: Search) -> Result<Found, CannotSee> {
+    pub fn diagnose_real(&self, log: &Log, prior: &Prior, search: Search) -> Result<Found, CannotSee> {
         match &self.shelved.library {
             Responses::Landmarks(library) => {
-                let diagnosis = real::diagnose_among(library, &self.variants, log, kin, search)?;
+                let diagnosis = real::diagnose_among(library, &self.variants, log, prior, search)?;
                 Ok(Found { diagnosis, lasers: Vec::new() })
             }
             Responses::Drives(_) | Responses::Unplayed if log.firings.is_some() => {
@@ -217,6 +220,24 @@ impl Ready {
                 Ok(Found { diagnosis, lasers: Vec::new() })
             }
         }
+    }
+
+    /// What is known of a real robot's log beforehand: of its kin what was asked, and by its halves, where they are asked, how far it is
+    /// to be believed.
+    fn prior(&self, log: &Log, asked: &Asked, listener: &dyn Listener) -> Result<Prior, CannotDiagnose> {
+        let prior = Prior { kin: asked.kin.clone(), ..Prior::NONE };
+        if !asked.by_halves || self.held.simulation.robot == Robot::Car {
+            return Ok(prior);
+        }
+        let [first, second] = log.halves().map(|half| {
+            listener.says("reading a half of the log");
+            let Limited { log, .. } = limits::of_real(&half)?;
+            Ok::<_, CannotDiagnose>(self.diagnose_real(&log, &prior, asked.search)?.diagnosis)
+        });
+        let times = halves_differ([[&first?, &second?]]);
+        listener
+            .says(&format!("halves of the log differ by {times:.2} times as much as they are said to, no less than 1"));
+        Ok(prior.whose_halves_differ(times))
     }
 
     /// Where, which and how far.
@@ -268,6 +289,9 @@ impl Answer {
                 BY_PEDALS
             };
             notes.push(by.to_owned());
+            if car && asked.by_halves {
+                notes.push("of a car seconds of the log, not halves, say how far it is to be believed".to_owned());
+            }
             if car && asked.search == Search::BothWays {
                 notes.push("effects of a car are found one after another alone".to_owned());
             }
@@ -284,7 +308,7 @@ impl Answer {
         let ready = Ready::new(&log, asked, listener)?;
         listener.says("reading the log");
         let Found { mut diagnosis, lasers } = if asked.real {
-            ready.diagnose_real(&log, &asked.kin, asked.search)?
+            ready.diagnose_real(&log, &ready.prior(&log, asked, listener)?, asked.search)?
         } else {
             Found { diagnosis: ready.diagnose(&log)?, lasers: Vec::new() }
         };

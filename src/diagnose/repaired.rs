@@ -308,6 +308,7 @@ learner = "canonical"
             next_length_s: None,
             smallest_visible: BTreeMap::new(),
             astray_s: None,
+            halves_differ: None,
             picture_period_s: None,
             command_cycle_s: None,
             noise: None,

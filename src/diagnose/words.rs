@@ -86,6 +86,11 @@ pub fn text(diagnosis: &Diagnosis) -> String {
             &format!("for {astray_s:.0} s the robot did not do what it was told, whatever is found: not scored"),
         );
     }
+    if let Some(differ) = diagnosis.halves_differ.filter(|it| *it > 1.0) {
+        let by =
+            format!("differ by {} times as much as they are said to: as much less is said for sure", digits(differ));
+        say("halves", &format!("of the log, or of logs of its make, {by}"));
+    }
     if let Some(noise) = &diagnosis.noise {
         let [size, bearing, motion] = [noise.size_ratio, noise.bearing_ratio, noise.motion_ratio].map(digits);
         let nominal =

@@ -5,26 +5,35 @@
 use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::{Cause, Estimate};
 use asami_gap::real::kin::Kin;
+use asami_gap::real::prior::Prior;
 
-use super::make::wider;
-use super::tables::{agreed, by_capture, effects, failed, robot, said};
-use super::walk::{Part, Record};
+use super::make::differ;
+use super::record::{Part, Record};
+use super::tables::{agreed, by_capture, effects, failed, robot};
 use crate::diagnose::words;
 use crate::report::{Cell, RowKind, Table};
 
 /// So many robots are a make.
 pub(super) const LEAST: usize = 3;
 
-/// What the whole logs of the other robots of a recording say; `None` where they are no make.
+/// How far the logs of a recording are to be believed, by their halves, each of which was by itself.
 #[must_use]
-pub fn kin(records: &[Record], log: &str, robot: Option<u16>) -> Option<Kin> {
+pub fn as_halves_differ(halves: &[Record], log: &str) -> Prior {
+    let of_log: Vec<&Record> = halves.iter().filter(|it| it.log == log).collect();
+    Prior::NONE.whose_halves_differ(differ(&of_log))
+}
+
+/// What the whole logs of the other robots of a recording say, and how far logs are to be believed by halves of theirs; `None` where
+/// they are no make.
+#[must_use]
+pub fn beside_make(records: &[Record], halves: &[Record], log: &str, robot: Option<u16>) -> Option<Prior> {
     let of_make = records.iter().filter(|it| it.log == log && it.robot.is_some() && it.part == Part::Whole);
     let of_make: Vec<(Option<u16>, &Diagnosis)> =
         of_make.filter_map(|it| Some((it.robot, it.diagnosis.as_ref()?))).collect();
     let others = of_make.iter().filter(|it| it.0 != robot).map(|it| it.1);
-    let theirs: Vec<&Record> =
-        records.iter().filter(|it| it.log == log && it.robot.is_some() && it.robot != robot).collect();
-    (of_make.len() >= LEAST && robot.is_some()).then(|| Kin::of(others).whose_halves_differ(wider(&theirs)))
+    let theirs: Vec<&Record> = halves.iter().filter(|it| it.log == log && it.robot != robot).collect();
+    let prior = |kin: Kin| Prior { kin, ..Prior::NONE }.whose_halves_differ(differ(&theirs));
+    (of_make.len() >= LEAST && robot.is_some()).then(|| prior(Kin::of(others)))
 }
 
 /// Of what is named, that which explains most of what motion is off by motion capture, and its size.
@@ -69,7 +78,7 @@ pub fn table(records: &[Record]) -> Table {
             table = table.row(RowKind::Ours, failed(record, heads.len()));
             continue;
         };
-        let cause = said(diagnosis);
+        let cause = diagnosis.said();
         let main = cause.and_then(|cause| main(record, cause));
         let size = |(name, _): (&str, &Estimate), value: f64| words::size(name, value);
         let shown =
@@ -101,6 +110,7 @@ pub fn table(records: &[Record]) -> Table {
 mod tests {
     use std::collections::BTreeMap;
 
+    use super::super::record::Beside;
     use super::*;
     use crate::sweep::Timing;
 
@@ -118,7 +128,7 @@ mod tests {
             log: "creates".to_owned(),
             robot: Some(robot),
             part,
-            among: true,
+            beside: Beside::Make,
             diagnosis: Some(Diagnosis { which: vec![named], ..nothing }),
             capture: BTreeMap::from([("turn_slowing.loss_s2".to_owned(), 2.8)]),
             capture_errors: BTreeMap::from([("turn_slowing.loss_s2".to_owned(), 0.0456)]),
@@ -129,31 +139,29 @@ mod tests {
         }
     }
 
-    /// What a robot's own log says, and what halves of the others' do, is not among what is expected of it.
+    /// What a robot's own log and its halves say is not among what is expected of it, nor is what halves of others' logs name.
     #[test]
     fn a_robot_is_none_of_its_kin() {
-        let mut records = vec![
-            record(1, Part::Whole, &["turn_slowing", "pan_offset"]),
-            record(1, Part::FirstHalf, &["turn_slowing"]),
-            record(2, Part::Whole, &["turn_slowing"]),
-            record(2, Part::FirstHalf, &["turn_slowing", "pan_offset"]),
-        ];
-        assert_eq!(kin(&records, "creates", Some(1)), None, "two are no make");
-        records.push(record(3, Part::Whole, &["turn_slowing"]));
-        let others = [&records[2], &records[4]].map(|it| it.diagnosis.as_ref().unwrap());
-        assert_eq!(kin(&records, "creates", Some(1)), Some(Kin::of(others)));
-        assert_eq!(kin(&records, "tubes", None), None);
-        assert_eq!(kin(&records, "creates", Some(1)).map(|it| it.counts()), Some(1.0));
-        // Halves of another robot that differ by 1.5, where each is said to be unsure of 1 from end to end of nine tenths.
-        records.push(record(2, Part::SecondHalf, &["turn_slowing"]));
-        let estimate = |record: &mut Record| {
-            let cause = &mut record.diagnosis.as_mut().unwrap().which[0];
-            cause.parameters.get_mut("turn_slowing.loss_s2").unwrap().value += 1.5;
-        };
-        estimate(records.last_mut().unwrap());
-        let counts = kin(&records, "creates", Some(1)).map(|it| it.counts()).unwrap();
-        assert!((counts - 2.0 / (1.5 * 3.29_f64).powi(2)).abs() < 1e-9, "{counts}");
-        assert_eq!(kin(&records, "creates", Some(2)).map(|it| it.counts()), Some(1.0), "its own do not count");
+        let whole = |robot: u16, effects: &[&str]| record(robot, Part::Whole, effects);
+        let mut records = vec![whole(1, &["turn_slowing", "pan_offset"]), whole(2, &["turn_slowing"])];
+        let mut halves: Vec<Record> =
+            [1, 2, 3].iter().flat_map(|it| Part::HALVES.map(|part| record(*it, part, &["pan_offset"]))).collect();
+        assert_eq!(beside_make(&records, &halves, "creates", Some(1)), None, "two are no make");
+        records.push(whole(3, &["turn_slowing"]));
+        let others = [&records[1], &records[2]].map(|it| it.diagnosis.as_ref().unwrap());
+        let of = |halves: &[Record], robot: u16| beside_make(&records, halves, "creates", Some(robot)).unwrap();
+        assert_eq!(of(&halves, 1), Prior { kin: Kin::of(others), ..Prior::NONE });
+        assert_eq!(beside_make(&records, &halves, "tubes", None), None);
+        // Halves of another robot that differ by 1.5, where each is said to be unsure of 1 from end to end of nine tenths; those of
+        // the third do not differ.
+        let cause = &mut halves[3].diagnosis.as_mut().unwrap().which[0];
+        cause.parameters.get_mut("turn_slowing.loss_s2").unwrap().value += 1.5;
+        let differ = (1.5 * 3.29_f64).powi(2) / 2.0;
+        assert!((of(&halves, 1).halves_differ.powi(2) - differ / 2.0).abs() < 1e-9, "{differ}");
+        assert_eq!(of(&halves, 2), Prior { kin: of(&halves, 2).kin, ..Prior::NONE }, "its own do not count");
+        let all = as_halves_differ(&halves, "creates");
+        assert!(all.kin == Kin::NONE && (all.halves_differ.powi(2) - differ / 3.0).abs() < 1e-9, "{all:?}");
+        assert_eq!(as_halves_differ(&halves, "tubes"), Prior::NONE);
     }
 
     /// Of what is named the effect that capture says explains most: slowing, where no lag is named.

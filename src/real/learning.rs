@@ -13,8 +13,8 @@ use asami_dataset::{Command, Dataset, Seed};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::record::{Part, Record};
 use super::scenario::{Learning, Source};
-use super::walk::{Part, Record};
 use crate::diagnose::Ready;
 use crate::diagnose::progress::Listener;
 use crate::diagnose::repaired::{self, cause};

@@ -7,20 +7,19 @@
 use std::collections::BTreeMap;
 
 use asami_dataset::store::number;
+use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::Estimate;
+use asami_gap::real::prior::{error, halves_differ};
 use asami_math::random_effects::{Believed, RandomEffects, random_effects};
 
-use super::tables::said;
-use super::walk::{Part, Record, Results};
+use super::record::{Part, Record};
+use super::walk::Results;
 use crate::diagnose::words;
 use crate::report::{Cell, RowKind, Table};
 use crate::sweep::rows::{optional, push};
 
 /// Columns of `make.csv`; the row without a robot is of the make.
 pub const MAKE: &str = "scenario,log,parameter,robot,found,error,of_make,low,high,scatter,capture";
-
-/// Standard deviations from end to end of a Gaussian's middle 90 %.
-const WIDTH: f64 = 3.29;
 
 /// A size that is named of several robots of one make.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,32 +49,19 @@ pub struct Of {
 
 /// Sizes of a part of a log; wheels do not go sideways.
 fn sizes(record: &Record) -> BTreeMap<&str, &Estimate> {
-    let named = record.diagnosis.as_ref().and_then(said).map(|cause| &cause.parameters);
+    let named = record.diagnosis.as_ref().and_then(Diagnosis::said).map(|cause| &cause.parameters);
     let named = named.into_iter().flatten().filter(|(name, _)| *name != "command_scale.x_ratio");
     named.map(|(name, estimate)| (name.as_str(), estimate)).collect()
 }
 
-fn error(of: &Estimate) -> f64 {
-    (of.interval[1] - of.interval[0]) / WIDTH
-}
-
-/// By how much halves differ by more than they are said to, over all sizes that both halves of a log name; no less than 1.
-pub(super) fn wider(records: &[&Record]) -> f64 {
-    let halves = |robot: Option<u16>| {
-        let half = |part: Part| records.iter().find(|it| it.robot == robot && it.part == part).map(|it| sizes(it));
-        half(Part::FirstHalf).zip(half(Part::SecondHalf))
+/// By how many times as much as they are said to halves of these records' logs differ.
+pub(super) fn differ(records: &[&Record]) -> f64 {
+    let of = |first: &Record, part: Part| {
+        let half = records.iter().find(|it| it.log == first.log && it.robot == first.robot && it.part == part);
+        half.and_then(|it| it.diagnosis.as_ref())
     };
-    let robots = records.iter().filter(|it| it.part == Part::Whole).map(|it| it.robot);
-    let mut squares = Vec::new();
-    for (first, second) in robots.filter_map(halves) {
-        for (name, a) in &first {
-            let Some(b) = second.get(name) else { continue };
-            let variance = error(a).powi(2) + error(b).powi(2);
-            squares.extend((variance > 0.0).then(|| (a.value - b.value).powi(2) / variance));
-        }
-    }
-    let mean = squares.iter().fold(0.0, |sum, it| sum + it) / squares.len().max(1) as f64;
-    mean.max(1.0).sqrt()
+    let halves = records.iter().filter(|it| it.part == Part::FirstHalf);
+    halves_differ(halves.filter_map(|it| Some([of(it, Part::FirstHalf)?, of(it, Part::SecondHalf)?])))
 }
 
 /// Of each recording of several robots what those have in common.
@@ -86,7 +72,7 @@ pub fn common(results: &Results) -> Vec<Common> {
 
 fn of_one_make(log: &str, records: &[Record]) -> Vec<Common> {
     let records: Vec<&Record> = records.iter().filter(|it| it.log == log && it.robot.is_some()).collect();
-    let wider = wider(&records);
+    let wider = differ(&records);
     let mut named: BTreeMap<&str, Vec<Of>> = BTreeMap::new();
     for record in records.iter().filter(|it| it.part == Part::Whole) {
         for (name, estimate) in sizes(record) {
@@ -168,14 +154,15 @@ pub fn table(all: &[Common]) -> Table {
 
 #[cfg(test)]
 mod tests {
-    use asami_gap::Diagnosis;
     use asami_gap::answer::diagnosis::Cause;
 
+    use super::super::record::Beside;
     use super::*;
     use crate::sweep::Timing;
 
     fn record(robot: u16, part: Part, value: f64, error: f64) -> Record {
-        let half = 0.5 * WIDTH * error;
+        // From end to end of its middle 90 % a Gaussian has 3.29 standard deviations.
+        let half = 0.5 * 3.29 * error;
         let estimate = Estimate { value, interval: [value - half, value + half], at_end: false };
         let parameters = BTreeMap::from([("turn_slowing.loss_s2".to_owned(), estimate)]);
         let named =
@@ -184,7 +171,7 @@ mod tests {
             log: "creates".to_owned(),
             robot: Some(robot),
             part,
-            among: false,
+            beside: Beside::Halves,
             diagnosis: Some(Diagnosis { which: vec![named], ..Diagnosis::flat(&[]) }),
             capture: BTreeMap::from([("turn_slowing.loss_s2".to_owned(), 2.8)]),
             capture_errors: BTreeMap::new(),
@@ -207,7 +194,7 @@ mod tests {
         let [it] = &found[..] else { panic!("one parameter, not {found:?}") };
         let [first, .., last] = &it.believed.each[..] else { panic!("four robots") };
         assert!((2.55..2.8).contains(&first.mean) && (2.8..2.9).contains(&last.mean), "{first:?} {last:?}");
-        assert!(first.interval[1] - first.interval[0] < 0.8 * WIDTH * 0.4, "{first:?}");
+        assert!(first.interval[1] - first.interval[0] < 0.8 * 3.29 * 0.4, "{first:?}");
         let found = of_one_make("creates", &robots(&[1.0, 2.8, 5.0, 3.9], 0.1));
         assert!((found[0].believed.each[0].mean - 1.0).abs() < 0.02, "{found:?}");
         // Of two nobody knows how a make scatters.

@@ -7,7 +7,8 @@ use asami_gap::real::scanner::corrected;
 use asami_gap::real::scanner::lasers::Laser;
 use serde::{Deserialize, Serialize};
 
-use super::walk::{Part, Record, Results};
+use super::record::{Part, Record};
+use super::walk::Results;
 use crate::report::{Cell, RowKind, Table};
 use crate::scorer::car::moved;
 

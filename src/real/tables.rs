@@ -9,8 +9,9 @@ use asami_gap::answer::diagnosis::{Cause, Unsettled};
 use super::among;
 use super::foretold;
 use super::make;
+use super::record::{Part, Record};
 use super::scanner;
-use super::walk::{Part, Record, Results};
+use super::walk::Results;
 use crate::diagnose::words;
 use crate::report::sweep::made_with;
 use crate::report::{Cell, Report, RowKind, Section, Table};
@@ -20,7 +21,8 @@ use crate::sweep::{CannotSweep, Finished, manifest};
 
 /// Columns of `trials.csv`.
 pub const TRIALS: &str = "scenario,log,robot,part,verdict,effects_named,probability,unknown,unknown_block,excess_before,\
-                          excess_after,closed,closed_low,closed_high,halves_agree,main_of_motion,error,unsettled";
+                          excess_after,closed,closed_low,closed_high,halves_agree,main_of_motion,error,unsettled,\
+                          halves_differ";
 
 /// Columns of `parameters.csv`.
 pub const PARAMETERS: &str = "scenario,log,robot,part,parameter,value,low,high,capture,capture_error";
@@ -85,12 +87,6 @@ pub fn write(results: &Results, program: &str, out: &Path) -> Result<Finished, C
     Ok(Finished { text: format!("{about}\n{shown}{errors}\n"), has_errors: !errors.is_empty() })
 }
 
-/// The cause that is said: the most probable that names effects.
-pub(super) fn said(diagnosis: &Diagnosis) -> Option<&Cause> {
-    let named = |cause: &&Cause| !cause.effects.iter().any(|it| it == "none" || it == "unknown");
-    diagnosis.which.iter().find(named)
-}
-
 fn unknown(diagnosis: &Diagnosis) -> Option<&Cause> {
     diagnosis.which.iter().find(|cause| cause.effects.iter().any(|it| it == "unknown"))
 }
@@ -104,7 +100,7 @@ fn of_part<'a>(records: &'a [Record], record: &Record, part: Part) -> Option<&'a
 fn halves_agree(records: &[Record], record: &Record) -> Option<bool> {
     let half = |part: Part| {
         let found = of_part(records, record, part)?.diagnosis.as_ref()?;
-        Some((found.verdict, said(found).and_then(|cause| cause.effects.first())))
+        Some((found.verdict, found.said().and_then(|cause| cause.effects.first())))
     };
     (record.part == Part::Whole).then_some(())?;
     Some(half(Part::FirstHalf)? == half(Part::SecondHalf)?)
@@ -119,7 +115,7 @@ fn trials(results: &Results, records: &[Record]) -> String {
     let mut text = format!("{TRIALS}\n");
     for record in records {
         let diagnosis = record.diagnosis.as_ref();
-        let cause = diagnosis.and_then(said);
+        let cause = diagnosis.and_then(Diagnosis::said);
         let rest = diagnosis.and_then(unknown);
         let far = diagnosis.map(|it| &it.how_far);
         let interval = far.and_then(|it| it.interval);
@@ -139,6 +135,7 @@ fn trials(results: &Results, records: &[Record]) -> String {
             record.shares.first().map_or_else(String::new, |(name, _)| name.clone()),
             record.error.clone(),
             diagnosis.map(|it| unsettled(it, "|").join("+")).unwrap_or_default(),
+            optional(diagnosis.and_then(|it| it.halves_differ)),
         ]);
         push(&mut text, &row);
     }
@@ -160,7 +157,7 @@ pub(super) fn effects(diagnosis: &Diagnosis, cause: &Cause) -> String {
 fn parameters(results: &Results, records: &[Record]) -> String {
     let mut text = format!("{PARAMETERS}\n");
     for record in records {
-        let named = record.diagnosis.as_ref().and_then(said).map(|cause| &cause.parameters);
+        let named = record.diagnosis.as_ref().and_then(Diagnosis::said).map(|cause| &cause.parameters);
         for (parameter, estimate) in named.into_iter().flatten() {
             let [low, high] = estimate.interval;
             let mut row = head(results, record);
@@ -217,6 +214,7 @@ fn logs(records: &[Record]) -> Table {
         "unknown",
         "halves agree",
         "off most by capture",
+        "halves differ",
     ];
     let mut table = Table::new("Real logs", &heads).caption(
         "Effects in the order in which they are named, the most evident first; in brackets a small part of the gap of which the log \
@@ -224,7 +222,10 @@ fn logs(records: &[Record]) -> Table {
          that they close; unknown: the share that remains, and the flexible block that it shows in. By motion capture, or of a car by \
          inertial navigation: the discrepancy of motion that by itself explains most (scale of speeds, slowing in turns, speed won in slight \
          ones, bend of straight lines, delay, lag; offset, ratio and lag of a steering), and its share. \
-         Halves agree that have the same verdict and the same most evident effect.",
+         Halves agree that have the same verdict and the same most evident effect. Halves differ: by how many times as much as they are \
+         said to sizes differ between halves of the recording's logs, no less than 1, where each half is diagnosed by itself and as it \
+         speaks; of all logs of the recording and of their halves what is said counts as much less as the square of that is more (a \
+         variance inflation factor; Burnham and Anderson 2002).",
     );
     for record in records.iter().filter(|record| record.part == Part::Whole) {
         let Some(diagnosis) = &record.diagnosis else {
@@ -245,12 +246,13 @@ fn logs(records: &[Record]) -> Table {
                 record.log.clone().into(),
                 robot(record),
                 diagnosis.verdict.name().into(),
-                said(diagnosis).map_or_else(String::new, |it| effects(diagnosis, it)).into(),
+                diagnosis.said().map_or_else(String::new, |it| effects(diagnosis, it)).into(),
                 far.closed.map_or_else(Cell::default, |closed| Cell::number(closed, 2)),
                 interval.into(),
                 remains.into(),
                 agreed(records, record),
                 main.into(),
+                diagnosis.halves_differ.map_or_else(Cell::default, |it| Cell::number(it, 2)),
             ],
         );
     }
@@ -272,11 +274,11 @@ fn held(records: &[Record]) -> Table {
          rests, by commands as they were given. ±: standard errors, by leaving a tenth of the time out in turn.",
     );
     for record in records.iter().filter(|record| record.part == Part::Whole) {
-        let Some(cause) = record.diagnosis.as_ref().and_then(said) else { continue };
+        let Some(cause) = record.diagnosis.as_ref().and_then(Diagnosis::said) else { continue };
         // Wheels do not go sideways.
         for (parameter, estimate) in cause.parameters.iter().filter(|(name, _)| *name != "command_scale.x_ratio") {
             let half = |part: Part| {
-                let cause = of_part(records, record, part)?.diagnosis.as_ref().and_then(said)?;
+                let cause = of_part(records, record, part)?.diagnosis.as_ref().and_then(Diagnosis::said)?;
                 cause.parameters.get(parameter).map(|it| it.value)
             };
             let shown =

@@ -7,110 +7,30 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use asami_dataset::{Command, Dataset, Log};
-use asami_gap::real::kin::Kin;
+use asami_gap::real::prior::Prior;
 use asami_gap::real::scanner::Found;
 use asami_gap::{Diagnosis, Nominal};
 use asami_math::statistics::median;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
-use super::among::{LEAST, kin};
+use super::among::{LEAST, as_halves_differ, beside_make};
 use super::capture::errors::errors;
 use super::capture::steering::of_car;
 use super::capture::{Capture, capture};
 use super::kept::Kept;
 use super::learning::{Lesson, lessons};
 use super::odometry::{Clocks, OfOthers};
-use super::scanner::{self, Checked};
+use super::record::{Beside, Part, Record, name};
+use super::scanner;
 use super::scenario::{Real, Source};
-use super::tables::said;
 use crate::diagnose::limits::of_real;
 use crate::diagnose::progress::Listener;
 use crate::diagnose::{self, Ready};
 use crate::import;
-use crate::scenario::Policy;
+use crate::scenario::{Policy, Robot};
 use crate::sweep::cases::Store;
 use crate::sweep::{CannotSweep, Options, Timing, Watcher, manifest};
 use crate::trial::{self, panic_message};
-
-/// Which part of a log.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Part {
-    /// All of it.
-    Whole,
-    /// The first half of it.
-    FirstHalf,
-    /// The second half of it.
-    SecondHalf,
-}
-
-impl Part {
-    /// All, in order.
-    pub const ALL: [Part; 3] = [Part::Whole, Part::FirstHalf, Part::SecondHalf];
-
-    /// Its name in tables.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Part::Whole => "whole",
-            Part::FirstHalf => "first_half",
-            Part::SecondHalf => "second_half",
-        }
-    }
-
-    /// This part of a log.
-    #[must_use]
-    pub fn of(self, log: &Log) -> Log {
-        let (first_s, last_s) = log.span_s().unwrap_or_default();
-        let middle_s = 0.5 * (first_s + last_s);
-        match self {
-            Part::Whole => log.clone(),
-            Part::FirstHalf => log.window(f64::NEG_INFINITY..middle_s),
-            Part::SecondHalf => log.window(middle_s..f64::INFINITY),
-        }
-    }
-}
-
-/// What is kept of a part of a log.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Record {
-    /// The log's name in the scenario.
-    pub log: String,
-    /// Whose, of a recording of several.
-    pub robot: Option<u16>,
-    /// Which part.
-    pub part: Part,
-    /// Whether it is beside what others of the robot's make have.
-    pub among: bool,
-    /// What was said of it; `None` where nothing can be.
-    pub diagnosis: Option<Diagnosis>,
-    /// What motion capture shows, by `NAME.PARAM`.
-    pub capture: BTreeMap<String, f64>,
-    /// Standard errors of that.
-    pub capture_errors: BTreeMap<String, f64>,
-    /// How much of what motion is off each discrepancy explains alone, by motion capture, the largest first.
-    pub shares: Vec<(String, f64)>,
-    /// Of a laser scanner: whether correcting its table makes its scans better.
-    pub checked: Option<Checked>,
-    /// Why nothing can be said; empty if something was.
-    pub error: String,
-    /// Goes to `timings.csv` only.
-    pub timing: Timing,
-}
-
-impl Record {
-    /// Its name in files.
-    #[must_use]
-    pub fn name(&self) -> String {
-        name(&self.log, self.robot, self.part, self.among)
-    }
-}
-
-fn name(log: &str, robot: Option<u16>, part: Part, among: bool) -> String {
-    let robot = robot.map(|robot| format!("_{robot}")).unwrap_or_default();
-    format!("{log}{robot}-{}{}", part.name(), if among { "-among" } else { "" })
-}
 
 /// Complete results, in order.
 #[derive(Clone, Debug, PartialEq)]
@@ -187,9 +107,13 @@ pub fn run(
     let key = blake3::hash(parts.join("\n").as_bytes()).to_hex();
     let store = Store::open(&options.out, key.as_ref()).map_err(crate::verb::plain)?;
     let keeps = Keeps { store, libraries, options, watcher };
-    let records = keeps.diagnosed(&of_parts(&prepared, |_| Some(Kin::NONE)), false).map_err(crate::verb::plain)?;
-    let of_kin = of_parts(&prepared, |it| kin(&records, &it.source.name, it.robot));
-    let among = keeps.diagnosed(&of_kin, true).map_err(crate::verb::plain)?;
+    let diagnosed = |parts: &[Part], beside: Beside, prior: &dyn Fn(&Prepared<'_>) -> Option<Prior>| {
+        keeps.diagnosed(&cases(&prepared, parts, prior), beside).map_err(crate::verb::plain)
+    };
+    let halves = diagnosed(&Part::HALVES, Beside::Nothing, &|it| it.has_halves().then_some(Prior::NONE))?;
+    let records = diagnosed(&Part::ALL, Beside::Halves, &|it| Some(as_halves_differ(&halves, &it.source.name)))?;
+    let of_make = |it: &Prepared<'_>| beside_make(&records, &halves, &it.source.name, it.robot);
+    let among = diagnosed(&Part::ALL, Beside::Make, &of_make)?;
     let mut all = Vec::new();
     for source in &real.asked.logs {
         if let Some(learning) = real.asked.learning.as_ref().filter(|_| source.learned_in.is_some()) {
@@ -255,13 +179,17 @@ fn like_others(source: &Source, datasets: &mut [(&Source, Option<u16>, Imported)
     }
 }
 
-/// A part of a log, and what is known of the robot's kin.
-type Case<'a> = (&'a Prepared<'a>, Part, Kin);
+/// A part of a log, and what is known beforehand.
+type Case<'a> = (&'a Prepared<'a>, Part, Prior);
 
-/// The parts of all logs of robots whose kin is known.
-fn of_parts<'a>(prepared: &'a [Prepared<'a>], kin: impl Fn(&Prepared<'_>) -> Option<Kin>) -> Vec<Case<'a>> {
-    let known = prepared.iter().filter_map(|it| Some((it, kin(it)?)));
-    known.flat_map(|(it, kin)| Part::ALL.map(|part| (it, part, kin.clone()))).collect()
+/// Parts of all logs of which something is known beforehand, be it that there is nothing.
+fn cases<'a>(
+    prepared: &'a [Prepared<'a>],
+    parts: &[Part],
+    prior: &dyn Fn(&Prepared<'_>) -> Option<Prior>,
+) -> Vec<Case<'a>> {
+    let known = prepared.iter().filter_map(|it| Some((it, prior(it)?)));
+    known.flat_map(|(it, prior)| parts.iter().map(move |part| (it, *part, prior.clone()))).collect()
 }
 
 /// Where records are kept, and who watches them being made.
@@ -274,10 +202,11 @@ struct Keeps<'a> {
 
 impl Keeps<'_> {
     /// Diagnoses what is not done yet.
-    fn diagnosed(&self, cases: &[Case<'_>], among: bool) -> Result<Vec<Record>, CannotSweep> {
+    fn diagnosed(&self, cases: &[Case<'_>], beside: Beside) -> Result<Vec<Record>, CannotSweep> {
         let program = &self.options.program;
-        let case =
-            |(it, part, kin): &Case<'_>| (name(&it.source.name, it.robot, *part, among), it.of(*part, kin, program));
+        let case = |(it, part, prior): &Case<'_>| {
+            (name(&it.source.name, it.robot, *part, beside), it.of(*part, prior, program))
+        };
         let kept = Kept::open(&self.store, self.libraries, cases.iter().map(case).collect())?;
         let found = kept.find::<Record>()?;
         if !cases.is_empty() {
@@ -288,11 +217,11 @@ impl Keeps<'_> {
             let work: Vec<_> = cases.iter().zip(found.records).enumerate().collect();
             work.into_par_iter()
                 .with_max_len(1)
-                .map(|(i, ((prepared, part, kin), done))| {
+                .map(|(i, ((prepared, part, prior), done))| {
                     if let Some(done) = done {
                         return Ok(done);
                     }
-                    let record = Record { among, ..prepared.record(*part, kin) };
+                    let record = Record { beside, ..prepared.record(*part, prior) };
                     kept.keep(i, &record)?;
                     let case = trial::Case { seed: i as u64, robot: prepared.robot, ..trial::Case::default() };
                     self.watcher.finished(&case, &record.timing);
@@ -304,20 +233,25 @@ impl Keeps<'_> {
 }
 
 impl Prepared<'_> {
+    /// Whether halves of its log are asked how far they are to be believed: a car's diagnosis asks how far seconds are.
+    fn has_halves(&self) -> bool {
+        self.ready.held.simulation.robot != Robot::Car
+    }
+
     /// All that a diagnosis of a part hangs on.
-    fn of(&self, part: Part, kin: &Kin, program: &str) -> String {
+    fn of(&self, part: Part, prior: &Prior, program: &str) -> String {
         let Self { source, robot, clocks, ready, hash, .. } = self;
-        let asked = (&source.name, &source.nominal, &ready.held.text, source.search(), robot, part, kin);
+        let asked = (&source.name, &source.nominal, &ready.held.text, source.search(), robot, part, prior);
         format!("{asked:?}\n{clocks:?}\n{hash}\n{program}")
     }
 
-    fn record(&self, part: Part, kin: &Kin) -> Record {
+    fn record(&self, part: Part, prior: &Prior) -> Record {
         let began = Instant::now();
         let log = part.of(&self.dataset.log);
         let scans = log.firings.is_some();
         let answer = catch_unwind(AssertUnwindSafe(|| {
             let limited = of_real(&log).map_err(|error| error.to_string())?;
-            self.ready.diagnose_real(&limited.log, kin, self.source.search()).map_err(|error| error.to_string())
+            self.ready.diagnose_real(&limited.log, prior, self.source.search()).map_err(|error| error.to_string())
         }));
         let (found, error) = match answer {
             Ok(Ok(found)) => (Some(found), String::new()),
@@ -327,7 +261,7 @@ impl Prepared<'_> {
         let took_s = began.elapsed().as_secs_f64();
         let named: Vec<&str> = found
             .iter()
-            .filter_map(|it| said(&it.diagnosis))
+            .filter_map(|it| it.diagnosis.said())
             .flat_map(|it| it.effects.iter().map(String::as_str))
             .collect();
         // Truth comes in only now.
@@ -349,7 +283,7 @@ impl Prepared<'_> {
             log: self.source.name.clone(),
             robot: self.robot,
             part,
-            among: false,
+            beside: Beside::Halves,
             diagnosis: found.map(|Found { diagnosis, .. }| Diagnosis {
                 picture_period_s,
                 command_cycle_s,

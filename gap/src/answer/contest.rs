@@ -141,6 +141,7 @@ impl Diagnosis {
             next_length_s: None,
             smallest_visible: std::collections::BTreeMap::new(),
             astray_s: None,
+            halves_differ: None,
             picture_period_s: None,
             command_cycle_s: None,
             noise: None,

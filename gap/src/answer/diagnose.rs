@@ -91,6 +91,7 @@ impl Diagnoser<'_> {
             draws: Vec::new(),
             smallest_visible: smallest_visible(judge, self.variants),
             astray_s: None,
+            halves_differ: None,
             picture_period_s: None,
             command_cycle_s: None,
             noise: None,

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::plant::Planted;
+use crate::weigh::causes::{NONE, UNKNOWN};
 
 /// Version of the form.
 pub const SCHEMA: u32 = 1;
@@ -52,6 +53,10 @@ pub struct Diagnosis {
     /// For how long, in seconds, a real robot did not do what it was told, whatever is found: not scored; `None` of other logs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub astray_s: Option<f64>,
+    /// By how many times as much as they are said to sizes differ between halves of a real robot's log, or of logs of its make, each by
+    /// itself; the log's own nats count as much less as the square of that is more. 1: no more, or nobody looked; `None` of other logs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub halves_differ: Option<f64>,
     /// Of a real robot whose camera takes pictures by a clock of its own, by which what it saw was dated anew: from each to the next.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub picture_period_s: Option<f64>,
@@ -65,6 +70,14 @@ pub struct Diagnosis {
     pub calibrated_on: Option<CalibratedOn>,
     /// The gap before and after the most probable cause is added.
     pub how_far: HowFar,
+}
+
+impl Diagnosis {
+    /// The cause that is said: the most probable that names effects.
+    #[must_use]
+    pub fn said(&self) -> Option<&Cause> {
+        self.which.iter().find(|cause| !cause.effects.iter().any(|it| it == NONE || it == UNKNOWN))
+    }
 }
 
 /// A small part of a gap, of which the log does not settle what it is.

@@ -3,8 +3,6 @@
 //! Whether robots of a make have an effect is taken to be exchangeable: each has it with the same unknown probability, a
 //! beta distribution of which is believed beforehand (a hierarchical model; Gelman et al. 2013, "Bayesian Data Analysis", chapter
 //! 5). Nothing is taken over of how large an effect is.
-//!
-//! Others say, too, by how much more surely a log speaks than it should.
 
 use std::collections::BTreeMap;
 
@@ -19,24 +17,16 @@ const SHARE: f64 = 1.0 / 11.0;
 const COUNTS: f64 = 1.0;
 
 /// Other robots of a make: none to begin with.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Kin {
     robots: f64,
-    /// What counts of a nat of the robot's own log.
-    counts: f64,
     /// How many of them have an effect, each as probably as its diagnosis says.
     having: BTreeMap<String, f64>,
 }
 
-impl Default for Kin {
-    fn default() -> Self {
-        Self::NONE
-    }
-}
-
 impl Kin {
     /// A robot of which no other's log is known.
-    pub const NONE: Self = Self { robots: 0.0, counts: 1.0, having: BTreeMap::new() };
+    pub const NONE: Self = Self { robots: 0.0, having: BTreeMap::new() };
 
     /// Robots by the diagnoses of their own logs.
     #[must_use]
@@ -52,19 +42,6 @@ impl Kin {
             }
         }
         kin
-    }
-
-    /// The same, where halves of their logs differ by so many times as much as each half says that it is unsure of: a nat counts as
-    /// much less as a square does.
-    #[must_use]
-    pub fn whose_halves_differ(self, times: f64) -> Self {
-        Self { counts: times.max(1.0).powi(-2), ..self }
-    }
-
-    /// What counts of a nat of the robot's own log.
-    #[must_use]
-    pub fn counts(&self) -> f64 {
-        self.counts
     }
 
     /// How many others there are.

@@ -10,6 +10,7 @@ pub mod kin;
 pub mod layers;
 mod noise;
 pub mod pedals;
+pub mod prior;
 mod ridge;
 pub mod scanner;
 mod starts;
@@ -41,6 +42,7 @@ use crossed::Crossed;
 use folds::Folds;
 use kin::Kin;
 use layers::{Layer, Least, Rival, beside_one_another, layers, planted, thought_again};
+use prior::Prior;
 use unsettled::settled;
 use unsure::sized;
 use whole::whole;
@@ -74,7 +76,7 @@ const NEGLIGIBLE: f64 = 1e-3;
 /// # Errors
 /// [`CannotSee`] says what the log lacks.
 pub fn diagnose(nominal: &Library, variants: &[Variant], log: &Log) -> Result<Diagnosis, CannotSee> {
-    diagnose_among(nominal, variants, log, &Kin::NONE, Search::Forwards)
+    diagnose_among(nominal, variants, log, &Prior::NONE, Search::Forwards)
 }
 
 /// In which order effects are found.
@@ -120,7 +122,8 @@ impl Search {
     }
 }
 
-/// The same of a robot of a make of which others are known: what they have, it is expected to have.
+/// The same by what is known beforehand: what others of its make have, the robot is expected to have, and what its log says counts as
+/// little as halves of such logs leave of it.
 ///
 /// # Errors
 /// [`CannotSee`] says what the log lacks.
@@ -128,10 +131,10 @@ pub fn diagnose_among(
     nominal: &Library,
     variants: &[Variant],
     log: &Log,
-    kin: &Kin,
+    prior: &Prior,
     search: Search,
 ) -> Result<Diagnosis, CannotSee> {
-    let least = Least { kin: kin.clone(), ..LEAST };
+    let least = Least { kin: prior.kin.clone(), ..LEAST };
     // A single landmark that stands elsewhere is a robot that does.
     let shows = |it: &&Variant| it.place() != Place::Scene || nominal.base.shape.landmarks > 1;
     let told = |it: &&Variant| shows_beside(it, &log.known) && acts(it, &log.commands);
@@ -146,7 +149,7 @@ pub fn diagnose_among(
         let of_others = |fold: usize| library.noisy_as(log, |t_s| folds.of(t_s) != fold, &with, before.get(fold));
         let noisy: Vec<Library> = (0..folds.count).into_par_iter().map(of_others).collect::<Result<_, _>>()?;
         let judge = Crossed::new(log, &noisy, folds, &with)?;
-        found = search.layers(&Cautious::new(&judge, kin.counts()), &variants, &least);
+        found = search.layers(&Cautious::new(&judge, prior.counts()), &variants, &least);
         // A robot that is known to be somewhere later has fewer steps that are scored.
         let likely = judge.log_likelihood(&planted(&found)) / judge.steps().len().max(1) as f64;
         if round < LOOKING {
@@ -158,7 +161,7 @@ pub fn diagnose_among(
     }
     let (_, noisy, found) = best;
     let judge = Crossed::new(log, &noisy, folds, &planted(&found))?;
-    let cautious = Cautious::new(&judge, kin.counts());
+    let cautious = Cautious::new(&judge, prior.counts());
     let found = search.again(&cautious, &variants, found, &least);
     let (found, unsettled) = settled(&cautious, found);
     // What is left open is not there to make up for anything: the others alone explain as much as they do where they are likeliest.
@@ -168,7 +171,15 @@ pub fn diagnose_among(
     let astray_s = library.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
     let noise = noise::compared(nominal, &noisy);
     let draws = draws.iter().map(|world| world.iter().flat_map(values).collect()).collect();
-    Ok(Diagnosis { astray_s: Some(astray_s), noise, unsettled, draws, ..assembled(&judge, &variants, &found, &with) })
+    let halves_differ = Some(prior.halves_differ);
+    Ok(Diagnosis {
+        astray_s: Some(astray_s),
+        halves_differ,
+        noise,
+        unsettled,
+        draws,
+        ..assembled(&judge, &variants, &found, &with)
+    })
 }
 
 /// What was found, and what that explains, `all` of which is in the world then.
@@ -210,6 +221,7 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer], all: &[Pl
         next_length_s: None,
         smallest_visible: smallest_visible(judge, variants),
         astray_s: None,
+        halves_differ: None,
         picture_period_s: None,
         command_cycle_s: None,
         noise: None,
