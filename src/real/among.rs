@@ -5,9 +5,8 @@
 use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::{Cause, Estimate};
 use asami_gap::real::kin::Kin;
-use asami_gap::real::prior::Prior;
+use asami_gap::real::prior::{Prior, halves_differ};
 
-use super::make::differ;
 use super::record::{Part, Record};
 use super::tables::{agreed, by_capture, effects, failed, robot};
 use crate::diagnose::words;
@@ -15,6 +14,16 @@ use crate::report::{Cell, RowKind, Table};
 
 /// So many robots are a make.
 pub(super) const LEAST: usize = 3;
+
+/// By how many times as much as they are said to halves of these records' logs differ.
+fn differ(records: &[&Record]) -> f64 {
+    let of = |first: &Record, part: Part| {
+        let half = records.iter().find(|it| it.log == first.log && it.robot == first.robot && it.part == part);
+        half.and_then(|it| it.diagnosis.as_ref())
+    };
+    let halves = records.iter().filter(|it| it.part == Part::FirstHalf);
+    halves_differ(halves.filter_map(|it| Some([of(it, Part::FirstHalf)?, of(it, Part::SecondHalf)?])))
+}
 
 /// How far the logs of a recording are to be believed, by their halves, each of which was by itself.
 #[must_use]
@@ -110,7 +119,6 @@ pub fn table(records: &[Record]) -> Table {
 mod tests {
     use std::collections::BTreeMap;
 
-    use super::super::record::Beside;
     use super::*;
     use crate::sweep::Timing;
 
@@ -128,7 +136,7 @@ mod tests {
             log: "creates".to_owned(),
             robot: Some(robot),
             part,
-            beside: Beside::Make,
+            among: true,
             diagnosis: Some(Diagnosis { which: vec![named], ..nothing }),
             capture: BTreeMap::from([("turn_slowing.loss_s2".to_owned(), 2.8)]),
             capture_errors: BTreeMap::from([("turn_slowing.loss_s2".to_owned(), 0.0456)]),

@@ -1,15 +1,14 @@
 //! What robots of one make have in common: whoever has logs of several knows of each more than its own log says.
 //!
 //! A size that is named of three and more is believed to be normally distributed over the make ([`random_effects`]). How unsure
-//! each is by its own log is what the diagnosis says of it, widened by how much halves of the logs differ by more than they are
-//! said to. Motion capture has no part in it.
+//! each is by its own log is what the diagnosis says of it. Motion capture has no part in it.
 
 use std::collections::BTreeMap;
 
 use asami_dataset::store::number;
 use asami_gap::Diagnosis;
 use asami_gap::answer::diagnosis::Estimate;
-use asami_gap::real::prior::{error, halves_differ};
+use asami_gap::real::prior::error;
 use asami_math::random_effects::{Believed, RandomEffects, random_effects};
 
 use super::record::{Part, Record};
@@ -54,16 +53,6 @@ fn sizes(record: &Record) -> BTreeMap<&str, &Estimate> {
     named.map(|(name, estimate)| (name.as_str(), estimate)).collect()
 }
 
-/// By how many times as much as they are said to halves of these records' logs differ.
-pub(super) fn differ(records: &[&Record]) -> f64 {
-    let of = |first: &Record, part: Part| {
-        let half = records.iter().find(|it| it.log == first.log && it.robot == first.robot && it.part == part);
-        half.and_then(|it| it.diagnosis.as_ref())
-    };
-    let halves = records.iter().filter(|it| it.part == Part::FirstHalf);
-    halves_differ(halves.filter_map(|it| Some([of(it, Part::FirstHalf)?, of(it, Part::SecondHalf)?])))
-}
-
 /// Of each recording of several robots what those have in common.
 #[must_use]
 pub fn common(results: &Results) -> Vec<Common> {
@@ -72,14 +61,13 @@ pub fn common(results: &Results) -> Vec<Common> {
 
 fn of_one_make(log: &str, records: &[Record]) -> Vec<Common> {
     let records: Vec<&Record> = records.iter().filter(|it| it.log == log && it.robot.is_some()).collect();
-    let wider = differ(&records);
     let mut named: BTreeMap<&str, Vec<Of>> = BTreeMap::new();
     for record in records.iter().filter(|it| it.part == Part::Whole) {
         for (name, estimate) in sizes(record) {
             named.entry(name).or_default().extend(record.robot.map(|robot| Of {
                 robot,
                 found: estimate.value,
-                error: wider * error(estimate),
+                error: error(estimate),
                 capture: record.capture.get(name).copied(),
             }));
         }
@@ -123,8 +111,7 @@ pub fn table(all: &[Common]) -> Table {
         ["log", "parameter", "unit", "robot", "by its own log", "among its make", "90 % interval", "motion capture"];
     let mut table = Table::new("Robots of one make", &heads).caption(
         "A size that is named of three robots of one make and more is believed to be normally distributed over the make, whose mean \
-         and scatter are unknown beforehand; how unsure each is by its own log is what its diagnosis says, widened by how much halves \
-         of the logs differ by more than they are said to. The make's row has its mean, and what robots scatter by besides errors. \
+         and scatter are unknown beforehand; how unsure each is by its own log is what its diagnosis says. The make's row has its mean, and what robots scatter by besides errors. \
          Motion capture has no part in it.",
     );
     for it in all {
@@ -156,7 +143,6 @@ pub fn table(all: &[Common]) -> Table {
 mod tests {
     use asami_gap::answer::diagnosis::Cause;
 
-    use super::super::record::Beside;
     use super::*;
     use crate::sweep::Timing;
 
@@ -171,7 +157,7 @@ mod tests {
             log: "creates".to_owned(),
             robot: Some(robot),
             part,
-            beside: Beside::Halves,
+            among: false,
             diagnosis: Some(Diagnosis { which: vec![named], ..Diagnosis::flat(&[]) }),
             capture: BTreeMap::from([("turn_slowing.loss_s2".to_owned(), 2.8)]),
             capture_errors: BTreeMap::new(),
@@ -202,17 +188,11 @@ mod tests {
         assert!(of_one_make("others", &robots(&[2.4, 2.8, 3.0], 0.4)).is_empty());
     }
 
-    /// Halves three times as far apart as they are said to be make each robot's own log three times as unsure.
+    /// The make's row, and one for each robot, with as many columns.
     #[test]
-    fn halves_that_differ_too_much_are_believed_less() {
-        let mut records = robots(&[2.4, 2.8, 3.0], 0.1);
-        for robot in 1..=3 {
-            let apart = 3.0 * 0.2 * std::f64::consts::SQRT_2;
-            records.push(record(robot, Part::FirstHalf, 2.5, 0.2));
-            records.push(record(robot, Part::SecondHalf, 2.5 + apart, 0.2));
-        }
-        let found = of_one_make("creates", &records);
-        assert!(found[0].robots.iter().all(|it| (it.error - 0.3).abs() < 1e-9), "{found:?}");
+    fn a_row_each_is_written() {
+        let found = of_one_make("creates", &robots(&[2.4, 2.8, 3.0], 0.1));
+        assert!(found[0].robots.iter().all(|it| (it.error - 0.1).abs() < 1e-9), "{found:?}");
         let text = csv("real", &found);
         assert_eq!(text.lines().count(), 1 + 1 + 3);
         let columns = MAKE.split(',').count();

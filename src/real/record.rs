@@ -49,28 +49,6 @@ impl Part {
     }
 }
 
-/// What a part of a log is diagnosed beside.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Beside {
-    /// Nothing, and each of its nats counts: by such halves of logs it is found how far those are to be believed.
-    Nothing,
-    /// How far halves of its recording's logs are to be believed.
-    Halves,
-    /// That, and what others of the robot's make have.
-    Make,
-}
-
-impl Beside {
-    fn ending(self) -> &'static str {
-        match self {
-            Beside::Nothing => "-as_it_speaks",
-            Beside::Halves => "",
-            Beside::Make => "-among",
-        }
-    }
-}
-
 /// What is kept of a part of a log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
@@ -80,8 +58,8 @@ pub struct Record {
     pub robot: Option<u16>,
     /// Which part.
     pub part: Part,
-    /// What it was diagnosed beside.
-    pub beside: Beside,
+    /// Whether it is beside what others of the robot's make have.
+    pub among: bool,
     /// What was said of it; `None` where nothing can be.
     pub diagnosis: Option<Diagnosis>,
     /// What motion capture shows, by `NAME.PARAM`.
@@ -102,12 +80,23 @@ impl Record {
     /// Its name in files.
     #[must_use]
     pub fn name(&self) -> String {
-        name(&self.log, self.robot, self.part, self.beside)
+        name(&self.log, self.robot, self.part, self.among)
     }
 }
 
 /// The name in files of such a record.
-pub(super) fn name(log: &str, robot: Option<u16>, part: Part, beside: Beside) -> String {
+pub(super) fn name(log: &str, robot: Option<u16>, part: Part, among: bool) -> String {
     let robot = robot.map(|robot| format!("_{robot}")).unwrap_or_default();
-    format!("{log}{robot}-{}{}", part.name(), beside.ending())
+    format!("{log}{robot}-{}{}", part.name(), if among { "-among" } else { "" })
+}
+
+/// Each whole log's record, and those of its halves after it.
+pub(super) fn in_order(wholes: Vec<Record>, halves: Vec<Record>) -> Vec<Record> {
+    let mut halves = halves.into_iter();
+    let mut records = Vec::new();
+    for whole in wholes {
+        records.push(whole);
+        records.extend(halves.by_ref().take(Part::HALVES.len()));
+    }
+    records
 }

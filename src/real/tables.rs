@@ -224,7 +224,7 @@ fn logs(records: &[Record]) -> Table {
          ones, bend of straight lines, delay, lag; offset, ratio and lag of a steering), and its share. \
          Halves agree that have the same verdict and the same most evident effect. Halves differ: by how many times as much as they are \
          said to sizes differ between halves of the recording's logs, no less than 1, where each half is diagnosed by itself and as it \
-         speaks; of all logs of the recording and of their halves what is said counts as much less as the square of that is more (a \
+         speaks; what a whole log says counts as much less as the square of that is more (a \
          variance inflation factor; Burnham and Anderson 2002).",
     );
     for record in records.iter().filter(|record| record.part == Part::Whole) {

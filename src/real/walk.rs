@@ -20,7 +20,7 @@ use super::capture::{Capture, capture};
 use super::kept::Kept;
 use super::learning::{Lesson, lessons};
 use super::odometry::{Clocks, OfOthers};
-use super::record::{Beside, Part, Record, name};
+use super::record::{Part, Record, in_order, name};
 use super::scanner;
 use super::scenario::{Real, Source};
 use crate::diagnose::limits::of_real;
@@ -107,13 +107,13 @@ pub fn run(
     let key = blake3::hash(parts.join("\n").as_bytes()).to_hex();
     let store = Store::open(&options.out, key.as_ref()).map_err(crate::verb::plain)?;
     let keeps = Keeps { store, libraries, options, watcher };
-    let diagnosed = |parts: &[Part], beside: Beside, prior: &dyn Fn(&Prepared<'_>) -> Option<Prior>| {
-        keeps.diagnosed(&cases(&prepared, parts, prior), beside).map_err(crate::verb::plain)
+    let diagnosed = |parts: &[Part], among: bool, prior: &dyn Fn(&Prepared<'_>) -> Option<Prior>| {
+        keeps.diagnosed(&cases(&prepared, parts, prior), among).map_err(crate::verb::plain)
     };
-    let halves = diagnosed(&Part::HALVES, Beside::Nothing, &|it| it.has_halves().then_some(Prior::NONE))?;
-    let records = diagnosed(&Part::ALL, Beside::Halves, &|it| Some(as_halves_differ(&halves, &it.source.name)))?;
-    let of_make = |it: &Prepared<'_>| beside_make(&records, &halves, &it.source.name, it.robot);
-    let among = diagnosed(&Part::ALL, Beside::Make, &of_make)?;
+    let halves = diagnosed(&Part::HALVES, false, &|_| Some(Prior::NONE))?;
+    let wholes = diagnosed(&[Part::Whole], false, &|it| Some(it.as_far_as(&halves)))?;
+    let among = diagnosed(&Part::ALL, true, &|it| beside_make(&wholes, &halves, &it.source.name, it.robot))?;
+    let records = in_order(wholes, halves);
     let mut all = Vec::new();
     for source in &real.asked.logs {
         if let Some(learning) = real.asked.learning.as_ref().filter(|_| source.learned_in.is_some()) {
@@ -202,10 +202,10 @@ struct Keeps<'a> {
 
 impl Keeps<'_> {
     /// Diagnoses what is not done yet.
-    fn diagnosed(&self, cases: &[Case<'_>], beside: Beside) -> Result<Vec<Record>, CannotSweep> {
+    fn diagnosed(&self, cases: &[Case<'_>], among: bool) -> Result<Vec<Record>, CannotSweep> {
         let program = &self.options.program;
         let case = |(it, part, prior): &Case<'_>| {
-            (name(&it.source.name, it.robot, *part, beside), it.of(*part, prior, program))
+            (name(&it.source.name, it.robot, *part, among), it.of(*part, prior, program))
         };
         let kept = Kept::open(&self.store, self.libraries, cases.iter().map(case).collect())?;
         let found = kept.find::<Record>()?;
@@ -221,7 +221,7 @@ impl Keeps<'_> {
                     if let Some(done) = done {
                         return Ok(done);
                     }
-                    let record = Record { beside, ..prepared.record(*part, prior) };
+                    let record = Record { among, ..prepared.record(*part, prior) };
                     kept.keep(i, &record)?;
                     let case = trial::Case { seed: i as u64, robot: prepared.robot, ..trial::Case::default() };
                     self.watcher.finished(&case, &record.timing);
@@ -233,9 +233,11 @@ impl Keeps<'_> {
 }
 
 impl Prepared<'_> {
-    /// Whether halves of its log are asked how far they are to be believed: a car's diagnosis asks how far seconds are.
-    fn has_halves(&self) -> bool {
-        self.ready.held.simulation.robot != Robot::Car
+    /// What is known of the whole log once halves of its recording's logs are diagnosed: how far it is to be believed. A car's diagnosis
+    /// asks that of seconds.
+    fn as_far_as(&self, halves: &[Record]) -> Prior {
+        let is_car = self.ready.held.simulation.robot == Robot::Car;
+        if is_car { Prior::NONE } else { as_halves_differ(halves, &self.source.name) }
     }
 
     /// All that a diagnosis of a part hangs on.
@@ -283,7 +285,7 @@ impl Prepared<'_> {
             log: self.source.name.clone(),
             robot: self.robot,
             part,
-            beside: Beside::Halves,
+            among: false,
             diagnosis: found.map(|Found { diagnosis, .. }| Diagnosis {
                 picture_period_s,
                 command_cycle_s,
