@@ -97,7 +97,8 @@ pub fn table(all: &[Foretold]) -> Table {
     let mut table = Table::new("Learners' scores, foretold by simulation", &heads).caption(
         "What the learners err by on simulated logs against what they err by on the real one, learned in the same way: the factor, \
          in the median over robots and learners, by which it is missed in the nominal world and in those that are believed after the \
-         log, with the effects that were named and what else may be there; how many of the scores the latter come nearer to.",
+         log, with the effects that were named and what else may be there; how many of the scores the latter come nearer to. Scores are by \
+         where a robot's axle is and where it goes, of the real one as motion capture has that, however its markers were put on.",
     );
     let mut groups: BTreeMap<(&str, usize), Vec<[f64; 2]>> = BTreeMap::new();
     for it in all {

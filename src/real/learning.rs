@@ -4,7 +4,8 @@
 //! A scenario of the recording says what is learned from it and how. The same is learned from simulated logs that stand in for
 //! the recording: of the nominal world, and of worlds as they are believed after the log's diagnosis, with the effects that it
 //! names, what else may be there and the noise that it learned, with the same seeds and for each seed another. What a learner errs by on
-//! the real robot comes of what is unsure, too. They are told what the recording's robot was told.
+//! the real robot comes of what is unsure, too. They are told what the recording's robot was told, and are scored by where a robot's axle
+//! is and where it goes: capture's own frame hangs on how markers were put on.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -13,6 +14,7 @@ use asami_dataset::{Command, Dataset, Seed};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::capture::of_axle;
 use super::record::{Part, Record};
 use super::scenario::{Learning, Source};
 use crate::diagnose::Ready;
@@ -120,7 +122,7 @@ pub fn lessons(
         };
         Ok::<Vec<Lesson>, miette::Report>(results.trials().map(lesson).collect())
     };
-    let mut all = learn(World::Real, None, Recorded::open(&recording, path)?)?;
+    let mut all = learn(World::Real, None, Recorded::open(&recording, path)?.tracked(of_axle))?;
     for seed in 0..u64::from(learning.seeds) {
         for world in [World::Nominal, World::Repaired] {
             all.extend(learn(world, Some(seed), stand_ins(&recording, &worlds, told, world, seed)?)?);

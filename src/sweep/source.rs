@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asami_dataset::{Dataset, Log, Seed, Survey, Truth};
+use asami_dataset::{Dataset, Log, Seed, Survey, TruePose, Truth};
 use asami_sim::robots::aibo::blueprint::URDF;
 
 use crate::binning::{self, Binning};
@@ -150,6 +150,13 @@ impl Recorded {
             }
         }
         Ok(Self { recording: recording.clone(), wholes })
+    }
+
+    /// The same, scored by the true tracks that are made of theirs.
+    #[must_use]
+    pub fn tracked(mut self, track: impl Fn(&[TruePose]) -> Vec<TruePose>) -> Self {
+        self.wholes.iter_mut().for_each(|(_, whole)| whole.truth.track = track(&whole.truth.track).into());
+        self
     }
 }
 

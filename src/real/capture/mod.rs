@@ -124,14 +124,20 @@ impl Frame {
     }
 }
 
+/// Where a robot's axle is, and where ahead is of it, by the track that capture has of its markers: what a simulated robot's truth is.
+#[must_use]
+pub fn of_axle(track: &[TruePose]) -> Vec<TruePose> {
+    let frame = Frame::of(&windows(track));
+    track.iter().map(|pose| frame.axle(pose)).collect()
+}
+
 /// What the truth of a wheeled robot's log shows; nothing where there is too little of it. `given` are its commands as they were given,
 /// whenever they were taken up: a rest that may not have been one is none. `own_lag_s` is the time constant that the nominal robot has by
 /// itself: an effect's is on top of it.
 #[must_use]
 pub fn capture(dataset: &Dataset, given: &[Command], own_lag_s: f64) -> Capture {
     let mut capture = Capture::default();
-    let frame = Frame::of(&windows(&dataset.truth.track));
-    let track: Vec<TruePose> = dataset.truth.track.iter().map(|pose| frame.axle(pose)).collect();
+    let track = of_axle(&dataset.truth.track);
     let mut windows = windows(&track);
     let dataset = &Dataset { truth: Truth { track: track.into(), survey: None }, ..dataset.clone() };
     let steady = steady::steady(dataset);
@@ -292,6 +298,11 @@ mod tests {
             TruePose { x_m: pose.x_m + 0.03 * sin, y_m: pose.y_m - 0.03 * cos, ..*pose }
         };
         behind.truth.track = behind.truth.track.iter().map(put).collect::<Vec<_>>().into();
+        let [axle, same] = [&straight, &behind].map(|it| of_axle(&it.truth.track));
+        for (a, b) in axle.iter().zip(&same) {
+            let off_m = hypot(a.x_m - b.x_m, a.y_m - b.y_m);
+            assert!(off_m < 1e-3 && wrap_rad(a.theta_rad - b.theta_rad).abs() < 1e-3, "{a:?} and {b:?}");
+        }
         let straight = shown(&straight, 0.0);
         for other in [log(0.3, -0.08), behind] {
             let other = shown(&other, 0.0);
