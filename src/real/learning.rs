@@ -122,7 +122,7 @@ pub fn lessons(
         };
         Ok::<Vec<Lesson>, miette::Report>(results.trials().map(lesson).collect())
     };
-    let mut all = learn(World::Real, None, Recorded::open(&recording, path)?.tracked(of_axle))?;
+    let mut all = learn(World::Real, None, Recorded::open_as(&recording, path, of_axle)?)?;
     for seed in 0..u64::from(learning.seeds) {
         for world in [World::Nominal, World::Repaired] {
             all.extend(learn(world, Some(seed), stand_ins(&recording, &worlds, told, world, seed)?)?);

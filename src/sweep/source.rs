@@ -116,10 +116,24 @@ impl Recorded {
     /// # Errors
     /// A report on what is missing or wrong, or which window lies outside the log.
     pub fn open(recording: &Recording, path: &Path) -> Result<Self, miette::Report> {
+        Self::open_as(recording, path, <[TruePose]>::to_vec)
+    }
+
+    /// The same, whose truth is by the tracks that are made of those that are read.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_as(
+        recording: &Recording,
+        path: &Path,
+        track: impl Fn(&[TruePose]) -> Vec<TruePose>,
+    ) -> Result<Self, miette::Report> {
         let mut wholes: Vec<(Option<u16>, Dataset)> = Vec::new();
         for part in &recording.parts {
             if wholes.iter().all(|(robot, _)| *robot != part.robot) {
-                wholes.push((part.robot, read(recording, part.robot, path)?));
+                let mut whole = read(recording, part.robot, path)?;
+                whole.truth.track = track(&whole.truth.track).into();
+                wholes.push((part.robot, whole));
             }
         }
         Self::of(recording, wholes, path)
@@ -150,13 +164,6 @@ impl Recorded {
             }
         }
         Ok(Self { recording: recording.clone(), wholes })
-    }
-
-    /// The same, scored by the true tracks that are made of theirs.
-    #[must_use]
-    pub fn tracked(mut self, track: impl Fn(&[TruePose]) -> Vec<TruePose>) -> Self {
-        self.wholes.iter_mut().for_each(|(_, whole)| whole.truth.track = track(&whole.truth.track).into());
-        self
     }
 }
 
