@@ -74,7 +74,7 @@ struct Arguments {
     #[arg(long, requires = "real")]
     both_ways: bool,
     /// Of a real robot, halves of the log are diagnosed first, each by itself: by how much they differ by more than they are said to, so
-    /// much less is said for sure of the whole. Takes about twice as long
+    /// much less is said for sure of the whole
     #[arg(long, requires = "real")]
     by_halves: bool,
     /// Of a real robot, the diagnosis.json of another of its make, by its own log: what others have, it is expected to have, and what

@@ -199,4 +199,6 @@ fn a_log_is_believed_as_far_as_its_halves_agree() {
     assert!(differ > 3.0, "{differ}");
     let names = |it: &Diagnosis| it.said().is_some_and(|cause| cause.effects.iter().any(|it| it == "height_bias"));
     assert_eq!([&as_it_speaks, &by_halves].map(names), [true, false], "{differ}");
+    let visible = |it: &Diagnosis| it.smallest_visible["height_bias.bias_px"];
+    assert!(visible(&by_halves) > 2.0 * visible(&as_it_speaks), "{} {}", visible(&by_halves), visible(&as_it_speaks));
 }

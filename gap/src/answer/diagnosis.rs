@@ -76,7 +76,15 @@ impl Diagnosis {
     /// The cause that is said: the most probable that names effects.
     #[must_use]
     pub fn said(&self) -> Option<&Cause> {
-        self.which.iter().find(|cause| !cause.effects.iter().any(|it| it == NONE || it == UNKNOWN))
+        self.which.iter().find(|cause| cause.names_effects())
+    }
+}
+
+impl Cause {
+    /// Whether it is of effects, neither *unknown* nor *none*.
+    #[must_use]
+    pub fn names_effects(&self) -> bool {
+        !self.effects.iter().any(|it| it == NONE || it == UNKNOWN)
     }
 }
 

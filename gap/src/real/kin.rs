@@ -9,7 +9,6 @@ use std::collections::BTreeMap;
 use asami_math::elementary::ln;
 
 use crate::answer::diagnosis::Diagnosis;
-use crate::weigh::causes::{NONE, UNKNOWN};
 
 /// How probable an effect is of which nothing is known: ten to one are against it.
 const SHARE: f64 = 1.0 / 11.0;
@@ -34,8 +33,7 @@ impl Kin {
         let mut kin = Self::NONE;
         for other in others {
             kin.robots += 1.0;
-            for cause in other.which.iter().filter(|cause| !cause.effects.iter().any(|it| it == UNKNOWN || it == NONE))
-            {
+            for cause in other.which.iter().filter(|cause| cause.names_effects()) {
                 for effect in &cause.effects {
                     *kin.having.entry(effect.clone()).or_default() += cause.probability;
                 }
@@ -74,6 +72,7 @@ mod tests {
     use crate::plant::Planted;
     use crate::real::layers::{ANY_SHARE, Least, layers};
     use crate::straight::Straight;
+    use crate::weigh::causes::UNKNOWN;
 
     /// A robot that has these effects with a probability, and nobody knows what else.
     fn having(effects: &[&str], probability: f64) -> Diagnosis {

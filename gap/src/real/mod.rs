@@ -171,15 +171,11 @@ pub fn diagnose_among(
     let astray_s = library.astray.iter().fold(0.0, |sum, [from_s, to_s]| sum + to_s - from_s);
     let noise = noise::compared(nominal, &noisy);
     let draws = draws.iter().map(|world| world.iter().flat_map(values).collect()).collect();
+    let mut diagnosis = assembled(&judge, &variants, &found, &with);
+    // What an effect gains grows as its size's square.
+    diagnosis.smallest_visible.values_mut().for_each(|it| *it *= prior.halves_differ);
     let halves_differ = Some(prior.halves_differ);
-    Ok(Diagnosis {
-        astray_s: Some(astray_s),
-        halves_differ,
-        noise,
-        unsettled,
-        draws,
-        ..assembled(&judge, &variants, &found, &with)
-    })
+    Ok(Diagnosis { astray_s: Some(astray_s), halves_differ, noise, unsettled, draws, ..diagnosis })
 }
 
 /// What was found, and what that explains, `all` of which is in the world then.
@@ -196,8 +192,7 @@ fn assembled(judge: &dyn Judge, variants: &[Variant], found: &[Layer], all: &[Pl
         _ => 0.0,
     };
     let which = which(judge, found, all, remains, block.as_ref());
-    let named = |cause: &&Cause| cause.effects[0] != UNKNOWN && cause.effects[0] != NONE;
-    let set90 = set90(which.iter().filter(named));
+    let set90 = set90(which.iter().filter(|cause| cause.names_effects()));
     let (cannot_tell_apart, all_alike) = groups(found, &set90);
     let verdict = match set90.len() {
         _ if remains > MOST_REMAINS => Verdict::Unknown,
