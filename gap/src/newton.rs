@@ -1,7 +1,7 @@
 //! Newton's method on a log-likelihood that is a sum over steps, with the curvature of the steps' scores (Berndt, Hall, Hall
 //! and Hausman 1974).
 
-use asami_math::decomposition::{cholesky, cholesky_solve, cholesky_transposed_solve};
+use asami_math::decomposition::{cholesky, cholesky_forward_solve, cholesky_solve, cholesky_transposed_solve, dot};
 use asami_math::elementary::ln;
 
 /// The curvature at a point.
@@ -41,6 +41,24 @@ impl Curvature {
         let row =
             |i: usize| (0..self.l.len()).map(|j| product(i, j) + if i == j { precisions[i] } else { 0.0 }).collect();
         Self::of(&(0..self.l.len()).map(row).collect::<Vec<_>>())
+    }
+
+    /// The same, where along each of these directions, orthogonal unit vectors in standard deviations, so much of it counts.
+    #[must_use]
+    pub fn counted(&self, directions: &[Vec<f64>], counts: &[f64]) -> Option<Self> {
+        let along = |i: usize| {
+            let of = |(direction, counts): (&Vec<f64>, &f64)| dot(&self.l[i], direction) * counts.sqrt();
+            directions.iter().zip(counts).map(of).collect::<Vec<f64>>()
+        };
+        let rows: Vec<Vec<f64>> = (0..self.l.len()).map(along).collect();
+        let row = |a: &Vec<f64>| rows.iter().map(|b| dot(a, b)).collect();
+        Self::of(&rows.iter().map(row).collect::<Vec<Vec<f64>>>())
+    }
+
+    /// A slope in standard deviations: were the log-likelihood what it is taken for, a slope at the truth would be standard Gaussian numbers.
+    #[must_use]
+    pub fn standardised(&self, slope: &[f64]) -> Vec<f64> {
+        cholesky_forward_solve(&self.l, slope)
     }
 
     /// What lies so far off the top has by half of this less.

@@ -89,11 +89,17 @@ pub fn cholesky(a: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
 /// Solves `L L^T x = b`.
 #[must_use]
 pub fn cholesky_solve(l: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
+    cholesky_transposed_solve(l, &cholesky_forward_solve(l, b))
+}
+
+/// Solves `L x = b`.
+#[must_use]
+pub fn cholesky_forward_solve(l: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     let mut x = b.to_vec();
     for i in 0..l.len() {
         x[i] = (x[i] - dot(&l[i][..i], &x[..i])) / l[i][i];
     }
-    cholesky_transposed_solve(l, &x)
+    x
 }
 
 /// Solves `L^T x = b`: of standard Gaussian numbers it makes some whose inverse covariance is `L L^T`.

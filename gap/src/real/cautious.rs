@@ -22,10 +22,25 @@ impl<'a> Cautious<'a> {
     pub fn new(judge: &'a dyn Judge, counts: f64) -> Self {
         Self { judge, counts }
     }
+}
 
-    fn of(&self, mut terms: Vec<f64>) -> Vec<f64> {
-        terms.iter_mut().for_each(|it| *it *= self.counts);
-        terms
+fn all_counted(mut terms: Vec<f64>, counts: f64) -> Vec<f64> {
+    terms.iter_mut().for_each(|it| *it *= counts);
+    terms
+}
+
+/// A reading of which so much counts: what two worlds part by, too, which is in squares of what is whitened.
+fn counted(mut reading: Reading, counts: f64) -> Reading {
+    for it in &mut reading.innovations {
+        it.white *= counts.sqrt();
+        it.ln_scale *= counts.sqrt();
+    }
+    reading.shares.iter_mut().for_each(|it| it.trials *= counts);
+    let (log_likelihoods, expected) = (reading.log_likelihoods, reading.expected);
+    Reading {
+        log_likelihoods: all_counted(log_likelihoods, counts),
+        expected: all_counted(expected, counts),
+        ..reading
     }
 }
 
@@ -43,12 +58,11 @@ impl Judge for Cautious<'_> {
     }
 
     fn read(&self, numbers: &[f64]) -> Reading {
-        let reading = self.judge.read(numbers);
-        Reading { log_likelihoods: self.of(reading.log_likelihoods), expected: self.of(reading.expected), ..reading }
+        counted(self.judge.read(numbers), self.counts)
     }
 
     fn terms(&self, numbers: &[f64]) -> Vec<f64> {
-        self.of(self.judge.terms(numbers))
+        all_counted(self.judge.terms(numbers), self.counts)
     }
 
     fn beside(&self, numbers: &[f64], pace: &Pace) -> f64 {
@@ -85,9 +99,11 @@ mod tests {
     use asami_dataset::Seed;
 
     use super::*;
+    use crate::judge::{Innovation, Share};
     use crate::real::layers::{ANY_SHARE, Least, beside_one_another, layers, settle};
     use crate::real::unsure::sized;
     use crate::straight::Straight;
+    use crate::weigh::groups::Signature;
 
     fn wave(t: usize, step: f64) -> f64 {
         (step * t as f64).sin()
@@ -115,5 +131,33 @@ mod tests {
         let ((size, width), (again, wider)) = (believed(1.0), believed(0.25));
         assert!((size / again - 1.0).abs() < 0.01, "{size} and {again}");
         assert!((wider / width - 2.0).abs() < 0.1, "{wider} over {width}");
+    }
+
+    /// What two worlds part by is nats of the log as well: of innovations, of their scales and of shares alike.
+    #[test]
+    fn worlds_part_by_what_counts() {
+        let reading = |white: f64, ln_scale: f64, log_odds: f64| {
+            let innovation = Innovation { channel: 0, plain: 0.1, white, ln_scale, genuine: true };
+            Reading {
+                log_likelihoods: vec![-1.0, -3.0],
+                expected: vec![1.0, 2.0],
+                innovations: vec![innovation],
+                shares: vec![Share { log_odds, trials: 50.0 }],
+                observations: 1,
+            }
+        };
+        let here = reading(0.4, -1.0, 0.2);
+        for there in [reading(3.4, -1.0, 0.2), reading(0.4, 1.0, 0.2), reading(0.4, -1.0, -1.4), reading(2.0, 0.5, 1.0)]
+        {
+            let parts =
+                |counts: f64| Signature::new(&counted(here.clone(), counts), &counted(there.clone(), counts)).nats();
+            assert!(
+                parts(1.0) > 1.0 && (parts(0.3) / parts(1.0) - 0.3).abs() < 1e-9,
+                "{} and {}",
+                parts(0.3),
+                parts(1.0)
+            );
+        }
+        assert!((counted(here, 0.5).total() + 2.0).abs() < 1e-12);
     }
 }

@@ -13,6 +13,7 @@ pub mod pedals;
 pub mod prior;
 mod ridge;
 pub mod scanner;
+mod scattered;
 mod starts;
 mod unsettled;
 mod unsure;

@@ -13,6 +13,7 @@ use super::ridge::Ridge;
 use super::worlds::{World, worlds};
 use crate::judge::Judge;
 use crate::plant::{Planted, Variant};
+use crate::weigh::cores::on_free_cores;
 
 /// What a real robot and its sensor err by hangs together for seconds, whatever the filter makes of it: what is said of an
 /// effect is weighed by blocks of this length.
@@ -27,7 +28,8 @@ pub struct Believed {
     pub interval: [f64; 2],
 }
 
-/// Sizes that are believed are no less likely than the likeliest, in nats: of eight of them one in a thousand is.
+/// Sizes that are no less likely than half of the worlds that are drawn by so many nats are not lost: of eight sizes one in a thousand is that
+/// much less likely than the likeliest.
 const LOST_NATS: f64 = 13.0;
 
 /// So many worlds are drawn.
@@ -44,9 +46,8 @@ pub fn blocks(judge: &dyn Judge) -> Vec<usize> {
     numbered.collect()
 }
 
-/// Layers at the sizes that are believed, whatever else there may be, and worlds drawn as they are believed; but at the sizes that they
-/// have in the most probable world, and that, where what is believed is so much less likely there that no ridge can lead to it: a likelihood
-/// with several tops is bent like none of them. How unsure they are then is taken to be how far off what is believed reaches, to either side.
+/// Layers at the sizes that are believed, whatever else there may be, and worlds drawn as they are believed. Of a likelihood with several
+/// tops what is in the middle of each size may be on none of them: where that is lost, sizes are those of the drawn world that is nearest.
 #[must_use]
 pub fn sized(
     judge: &dyn Judge,
@@ -59,29 +60,35 @@ pub fn sized(
     }
     let worlds = worlds(judge, variants, &planted(&layers), least);
     let walks = walks(judge, &worlds);
+    let draws = drawn(&walks);
     let sized = with_sizes(layers, believed(&worlds, &walks));
-    let Some(likeliest) = worlds.iter().reduce(|a, b| if b.share > a.share { b } else { a }) else {
-        return (sized, Vec::new());
-    };
-    match at_the_top(judge, &sized, &likeliest.effects) {
-        Some(found) => (with_sizes(sized, found), vec![likeliest.effects.clone()]),
-        None => (sized, drawn(&walks)),
-    }
+    (if lost(judge, &planted(&sized), &draws) { nearest(sized, &draws) } else { sized }, draws)
 }
 
-/// What is believed where the log is likeliest, if what is believed otherwise is lost; `top` has the effects of `sized`, and may have
-/// others after them.
-fn at_the_top(judge: &dyn Judge, sized: &[Layer], top: &[Planted]) -> Option<Vec<Believed>> {
-    let beside = &top[sized.len()..];
-    if judge.log_likelihood(&[&planted(sized), beside].concat()) >= judge.log_likelihood(top) - LOST_NATS {
-        return None;
-    }
-    let at_top = sized.iter().zip(top).map(|(layer, it)| {
-        let (least, greatest) = it.variant.sizes();
-        let far = layer.weighed.interval.map(|end| (end - it.size).abs()).into_iter().fold(0.0, f64::max);
-        Believed { size: it.size, interval: [-far, far].map(|off| (it.size + off).clamp(least, greatest)) }
+/// Whether these sizes, beside what else there is in any of the worlds that are drawn, are so much less likely than worlds as they are drawn.
+fn lost(judge: &dyn Judge, sized: &[Planted], draws: &[Vec<Planted>]) -> bool {
+    let beside = |world: &Vec<Planted>| judge.log_likelihood(&[sized, &world[sized.len()..]].concat());
+    let best = draws.iter().map(beside).fold(f64::NEG_INFINITY, f64::max);
+    let mut likely: Vec<f64> = draws.iter().map(|world| judge.log_likelihood(world)).collect();
+    likely.sort_by(f64::total_cmp);
+    likely.get(likely.len() / 2).is_some_and(|middle| best < middle - LOST_NATS)
+}
+
+/// The same at the sizes of the drawn world that lies nearest to them, as wide as they are.
+fn nearest(layers: Vec<Layer>, draws: &[Vec<Planted>]) -> Vec<Layer> {
+    let off = |world: &Vec<Planted>| {
+        layers.iter().zip(world).fold(0.0, |sum, (layer, it)| {
+            let [low, high] = layer.weighed.interval;
+            sum + ((it.size - layer.weighed.best.size) / (high - low).max(f64::MIN_POSITIVE)).powi(2)
+        })
+    };
+    let Some(world) = draws.iter().min_by(|a, b| off(a).total_cmp(&off(b))) else { return layers };
+    let at_world = layers.iter().zip(world).map(|(layer, it)| {
+        let [low, high] = layer.weighed.interval;
+        Believed { size: it.size, interval: [low.min(it.size), high.max(it.size)] }
     });
-    Some(at_top.collect())
+    let found = at_world.collect();
+    with_sizes(layers, found)
 }
 
 fn with_sizes(mut layers: Vec<Layer>, found: Vec<Believed>) -> Vec<Layer> {
@@ -102,15 +109,21 @@ pub struct Walk<'a> {
 /// Walks through these worlds, but for those about which the log's likelihood is not finite.
 #[must_use]
 pub fn walks<'a>(judge: &dyn Judge, worlds: &'a [World]) -> Vec<Walk<'a>> {
+    let named = named(worlds);
     let walk = |world: &'a World| {
-        let ridge = Ridge::about(judge, &world.effects, blocks(judge))?.looked_at(judge, &world.effects);
-        let mut sizes = ridge.walk(Seed(0));
+        let ridge = Ridge::about(judge, &world.effects, named, blocks(judge))?.looked_at(judge, &world.effects);
+        let mut sizes = ridge.walk_on(ridge.of(&world.effects), ridge.likely(judge, &world.effects), Seed(0));
         for (sizes, middle) in sizes.iter_mut().zip(&ridge.middle) {
             sizes.iter_mut().for_each(|size| *size *= middle);
         }
         Some(Walk { world, sizes })
     };
-    worlds.iter().filter_map(walk).collect()
+    on_free_cores(worlds.iter().collect(), walk).into_iter().flatten().collect()
+}
+
+/// How many effects all these worlds have, before all others.
+fn named(worlds: &[World]) -> usize {
+    worlds.iter().map(|world| world.effects.len()).min().unwrap_or(0)
 }
 
 /// Worlds as they are believed, each as probable as any other.
@@ -136,9 +149,8 @@ fn drawn(walks: &[Walk]) -> Vec<Vec<Planted>> {
 /// What is believed of the sizes of the effects that all these worlds have, the fewest of which the first has.
 #[must_use]
 pub fn believed(worlds: &[World], walks: &[Walk]) -> Vec<Believed> {
-    let asked = worlds.iter().map(|world| world.effects.len()).min().unwrap_or(0);
     // Of each size where walks through the worlds come by, with what a step of each counts.
-    let mut seen: Vec<Vec<(f64, f64)>> = vec![Vec::new(); asked];
+    let mut seen: Vec<Vec<(f64, f64)>> = vec![Vec::new(); named(worlds)];
     for Walk { world, sizes } in walks {
         for (seen, sizes) in seen.iter_mut().zip(sizes) {
             let counts = world.share / sizes.len() as f64;
@@ -275,31 +287,34 @@ mod tests {
         assert_eq!(sized(&log, &[kind], Vec::new(), &LEAST), (Vec::new(), Vec::new()));
     }
 
-    /// Sizes that are far from where the log is likeliest are not believed, those that are near are.
+    /// Where the log may be of either of two worlds the middle of each size is of neither: what is believed is one of them then, the nearer.
     #[test]
     fn what_is_lost_is_not_believed() {
-        let kind = Straight::kind("command_scale");
-        let at = |share: f64| Planted { variant: kind.clone(), size: share * kind.sizes().1 };
-        let log = Straight::new(&[at(0.5)], &[&|t| 9.0 * (0.37 * t as f64).sin()], Seed(5));
-        let top = settle(&log, vec![at(0.5)]).effects;
-        let named = || beside_one_another(&log, &top);
-        let of = |layers: Vec<Layer>| (layers[0].weighed.best.size, layers[0].weighed.interval);
-        let kinds = std::slice::from_ref(&kind);
-        let found = among(&log, &worlds(&log, kinds, &top, &LEAST))[0];
-        assert_eq!(of(sized(&log, kinds, named(), &LEAST).0), (found.size, found.interval));
-        let size = top[0].size;
-        let off = |by: f64| Believed { size: by * size, interval: [(by - 0.1) * size, (by + 0.1) * size] };
-        let kept = |by: f64| {
-            let sized = with_sizes(named(), vec![off(by)]);
-            let at_top = at_the_top(&log, &sized, &top);
-            of(at_top.map_or_else(|| sized.clone(), |found| with_sizes(sized.clone(), found)))
+        let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
+        let at = |shares: [f64; 2]| {
+            let of = |k: usize| Planted { variant: kinds[k].clone(), size: shares[k] * kinds[k].sizes().1 };
+            [of(0), of(1)].to_vec()
         };
-        assert_eq!(kept(1.02), (off(1.02).size, off(1.02).interval));
-        for by in [1.3, 0.7] {
-            let (kept, [low, high]) = kept(by);
-            assert_eq!(kept, size);
-            assert!((low / size - 0.6).abs() < 1e-9 && (high / size - 1.4).abs() < 1e-9, "{low} to {high}");
+        // Both together move the log by what one of them alone would.
+        let wave = |t: usize| 9.0 * (0.37 * t as f64).sin();
+        let log = Straight::new(&at([0.5, 0.5]), &[&wave, &wave], Seed(5));
+        let [few, many] = [at([0.3, 0.7]), at([0.7, 0.3])];
+        let draws: Vec<Vec<Planted>> = [vec![few.clone(); 8], vec![many; 7]].concat();
+        let named = |shares: [f64; 2]| {
+            let believed = at(shares)
+                .into_iter()
+                .map(|it| Believed { size: it.size, interval: [0.5, 1.5].map(|by| by * it.size) });
+            with_sizes(beside_one_another(&log, &few), believed.collect())
+        };
+        for on_the_ridge in [[0.5, 0.5], [0.45, 0.55]] {
+            assert!(!lost(&log, &at(on_the_ridge), &draws), "{on_the_ridge:?}");
         }
+        assert!(lost(&log, &at([0.3, 0.3]), &draws) && !lost(&log, &at([0.3, 0.3]), &[]));
+        let sizes = |layers: &[Layer]| planted(layers).iter().map(|it| it.size).collect::<Vec<f64>>();
+        let found = nearest(named([0.31, 0.4]), &draws);
+        assert_eq!(sizes(&found), few.iter().map(|it| it.size).collect::<Vec<f64>>());
+        let [low, high] = found[1].weighed.interval;
+        assert!(low < few[1].size && high >= few[1].size, "{low} to {high}");
     }
 
     /// What is left open makes up for a part of what is named. Sizes that are right beside it are not lost because they are unlikely
