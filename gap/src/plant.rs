@@ -6,7 +6,7 @@ use asami_sim::effects::{Effects, catalogue};
 use rand::RngExt;
 
 /// One kind of an effect: all that its law draws but the size.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Variant {
     /// The effect.
     pub about: &'static About,
@@ -14,9 +14,24 @@ pub struct Variant {
     pub sign: f64,
     /// Parameters that are drawn from a choice.
     pub choices: Vec<(&'static str, f64)>,
+    /// From which share of the least size that the law draws sizes are thought of.
+    pub from: f64,
+}
+
+/// Kinds are the same whatever sizes of them are thought of.
+impl PartialEq for Variant {
+    fn eq(&self, other: &Self) -> bool {
+        self.about == other.about && self.sign == other.sign && self.choices == other.choices
+    }
 }
 
 impl Variant {
+    /// The same, of sizes from such a share of the least on that the law draws.
+    #[must_use]
+    pub fn of_sizes_from(self, share: f64) -> Self {
+        Self { from: share, ..self }
+    }
+
     /// All kinds of one effect in a world of so many landmarks, each as likely.
     #[must_use]
     pub fn of(about: &'static About, landmarks: usize) -> Vec<Self> {
@@ -40,7 +55,10 @@ impl Variant {
         }
         let with = |sign: &f64| {
             let sign = *sign;
-            choices.iter().map(move |choices| Self { about, sign, choices: choices.clone() }).collect::<Vec<_>>()
+            choices
+                .iter()
+                .map(move |choices| Self { about, sign, choices: choices.clone(), from: 1.0 })
+                .collect::<Vec<_>>()
         };
         signs.iter().flat_map(with).collect()
     }
@@ -52,14 +70,15 @@ impl Variant {
         catalogue().into_iter().filter(fits).flat_map(|about| Self::of(about, landmarks)).collect()
     }
 
-    /// Least and greatest size that the law draws.
+    /// Least and greatest size that is thought of: those that the law draws, or from less on.
     #[must_use]
     pub fn sizes(&self) -> (f64, f64) {
         let size = |draw: &Draw| match *draw {
             Draw::Size { least, greatest, .. } => Some((least, greatest)),
             Draw::Same | Draw::Choice(_) | Draw::Landmark(_) => None,
         };
-        self.about.law.iter().find_map(|(_, draw)| size(draw)).unwrap_or((1.0, 1.0))
+        let (least, greatest) = self.about.law.iter().find_map(|(_, draw)| size(draw)).unwrap_or((1.0, 1.0));
+        (self.from * least, greatest)
     }
 
     /// The sized parameter's name and null value.

@@ -4,7 +4,6 @@
 //! beside it, and so on. Before they are compared, the sizes of all that is in the world are found together: effects that act
 //! much alike hide one another as long as each is looked at by itself. In the end each is thought of again.
 
-use asami_math::elementary::{exp, ln};
 use asami_sim::effect::{Block, Place};
 
 use super::kin::Kin;
@@ -27,10 +26,10 @@ const LEAST_ALONE_NATS: f64 = 1.0;
 const STEPS: usize = 8;
 /// A step that gains less is the last, in nats.
 const GAINS_NOTHING_NATS: f64 = 0.05;
-/// Differences are taken over such a change of a size's logarithm.
+/// Differences are taken over such a share of a size.
 const DIFFERENCE: f64 = 0.02;
-/// No step changes a size by more, by its logarithm.
-const LONGEST: f64 = 1.0;
+/// No step changes a size by more than so many times what it is.
+const LONGEST: f64 = 4.0;
 /// Precision of a prior that leaves a size which changes nothing where it is.
 const NEXT_TO_NOTHING: f64 = 1e-3;
 
@@ -316,7 +315,8 @@ pub(super) fn further(judge: &dyn Judge, least: &Least, about: &About, likely: f
     tried
 }
 
-/// Finds all sizes together, by Newton's method on their logarithms.
+/// Finds all sizes together, by Newton's method. Steps are along sizes and not their logarithms: where effects make up for one another they do
+/// so along a straight line, which a step has to stay on.
 pub(super) fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
     let block = blocks(judge);
     let terms = |all: &[Planted]| judge.terms(&judge.numbers(all));
@@ -325,14 +325,20 @@ pub(super) fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
     let mut counts = vec![1.0; all.len()];
     for _ in 0..STEPS {
         let scores: Vec<Vec<f64>> = on_free_cores((0..all.len()).collect(), |i| {
-            let mut beside = all.clone();
-            // Towards the inside of the law.
-            let h = if ln(all[i].size) + DIFFERENCE > ln(all[i].variant.sizes().1) { -DIFFERENCE } else { DIFFERENCE };
-            beside[i].size *= exp(h);
-            terms(&beside).iter().zip(&here).map(|(there, here)| (there - here) / h).collect()
+            let at = |by: f64| {
+                let mut beside = all.clone();
+                beside[i].size *= 1.0 + by;
+                terms(&beside)
+            };
+            // On a narrow ridge a difference to one side is mostly what lies between; but no size is beyond its law.
+            let at_end = all[i].size * (1.0 + DIFFERENCE) > all[i].variant.sizes().1;
+            let (above, by) = if at_end { (here.clone(), DIFFERENCE) } else { (at(DIFFERENCE), 2.0 * DIFFERENCE) };
+            above.iter().zip(at(-DIFFERENCE)).map(|(above, below)| (above - below) / by).collect()
         });
         let Some(curvature) = Curvature::new(&scores, NEXT_TO_NOTHING) else { break };
         let step = curvature.step(&scores.iter().map(|score| total(score)).collect::<Vec<f64>>());
+        let longest = step.iter().fold(LONGEST, |longest, it| longest.max(it.abs()));
+        let step: Vec<f64> = step.into_iter().map(|it| it * LONGEST / longest).collect();
         let by_block = curvature.variances_by_block(&scores, &block).into_iter();
         // Blocks are few: that errors in one made up for one another is not believed.
         counts =
@@ -342,8 +348,7 @@ pub(super) fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
             let mut there = all.clone();
             for (planted, step) in there.iter_mut().zip(&step) {
                 let (least, greatest) = planted.variant.sizes();
-                let moved = (share * step).clamp(-LONGEST, LONGEST);
-                planted.size = (planted.size * exp(moved)).clamp(least, greatest);
+                planted.size = (planted.size * (1.0 + share * step)).clamp(least, greatest);
             }
             let of_there = terms(&there);
             (total(&of_there), (there, of_there))

@@ -52,6 +52,9 @@ use whole::whole;
 const ROUNDS: usize = 4;
 /// Of all effects at once, and of each beside what that leaves, it is thought again at most so often.
 const AGAIN: usize = 2;
+/// Nobody draws what a real robot has: an effect may be smaller, by this share, than the least that cases are drawn with, and a log say so.
+/// Were that least the least that is thought of, others would make up for it.
+const SMALLER: f64 = 0.1;
 /// Where that gains less, in nats, it is not.
 const GAINS_NOTHING_NATS: f64 = 1.0;
 /// In so many of the first ones it is looked for where the robot does not do what it is told.
@@ -140,7 +143,8 @@ pub fn diagnose_among(
     let shows = |it: &&Variant| it.place() != Place::Scene || nominal.base.shape.landmarks > 1;
     let told = |it: &&Variant| shows_beside(it, &log.known) && acts(it, &log.commands);
     let there = |it: &&Variant| it.block() != Block::Noise && shows(it) && told(it);
-    let variants: Vec<Variant> = variants.iter().filter(there).cloned().collect();
+    let any_size = |it: &Variant| it.clone().of_sizes_from(SMALLER);
+    let variants: Vec<Variant> = variants.iter().filter(there).map(any_size).collect();
     let folds = Folds::default();
     let mut library = nominal.clone();
     let mut best = (f64::NEG_INFINITY, Vec::new(), Vec::new());

@@ -1,18 +1,16 @@
 //! Where to look for one more effect beside several: with all sizes where they were likeliest, were the log-likelihood quadratic in
 //! them (a score test's, Rao 1948). An effect that the others have made up for shows nothing as long as they stay where they are.
 
-use asami_math::elementary::exp;
-
 use crate::judge::Judge;
 use crate::newton::Curvature;
 use crate::plant::{Planted, Variant};
 
-/// Differences are taken over such a change of a size's logarithm.
+/// Differences are taken over such a share of a size.
 const DIFFERENCE: f64 = 0.02;
 /// And from no size at all, over this share of the least.
 const LITTLE: f64 = 0.1;
-/// No size changes by more at once, by its logarithm.
-const LONGEST: f64 = 1.0;
+/// No size changes by more at once than so many times what it is.
+const LONGEST: f64 = 4.0;
 
 /// A start: what is in the world, and one more effect, or two, the last.
 pub struct Start {
@@ -68,7 +66,7 @@ impl<'a> About<'a> {
         };
         let of_with = (0..with.len()).map(|i| {
             let mut larger = with.to_vec();
-            larger[i].size *= exp(DIFFERENCE);
+            larger[i].size *= 1.0 + DIFFERENCE;
             per(terms(&larger), DIFFERENCE)
         });
         let others = kinds.iter().filter(|variant| judge.knows(variant)).map(|variant| {
@@ -131,7 +129,7 @@ impl<'a> About<'a> {
         let share = share.fold(1.0, |far: f64, it| if (it - 1.0).abs() > (far - 1.0).abs() { it } else { far });
         let moved = self.with.iter().zip(&top.moves).map(|(it, by)| {
             let (low, high) = it.variant.sizes();
-            Planted { size: (it.size * exp((share * by).clamp(-LONGEST, LONGEST))).clamp(low, high), ..it.clone() }
+            Planted { size: (it.size * (1.0 + (share * by).min(LONGEST))).clamp(low, high), ..it.clone() }
         });
         let more = top.more.iter().map(|it| Planted { variant: self.others[it.0].0.clone(), size: within(it) });
         let effects: Vec<Planted> = moved.chain(more).collect();

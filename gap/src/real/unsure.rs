@@ -1,6 +1,6 @@
-//! What is believed of sizes that were found together, whatever the noise of a real robot is: their laws, and how the log's
-//! likelihood bends about where it is greatest, as far as the score of the log scatters from block to block by no more than it
-//! should (Huber 1967, White 1982). Where the noise were what it is taken for, it would not; a real log's tails make it.
+//! What is believed of sizes that were found together, whatever the noise of a real robot is: their laws, and the log's likelihood, along
+//! which a random walk is led, as far as the score of the log scatters from block to block by no more than it should ([`super::scattered`]).
+//! Where the noise were what it is taken for, it would not; a real log's tails make it.
 //!
 //! Sizes that make up for one another leave a ridge, along which a likelihood hardly falls until one of them is at the end of its
 //! law: the top may be anywhere on it, and says nothing. Of what is believed the middle counts.

@@ -141,7 +141,7 @@ mod tests {
         }];
         let truth = of(0, 0.3).size;
         let [mut both, mut held, mut alone] = [0; 3];
-        for seed in 0..20 {
+        for seed in 0..40 {
             let log = Straight::new(&[of(0, 0.3), of(1, 0.5), of(2, 0.5)], &waves, Seed(seed));
             let named = settle(&log, vec![of(0, 0.3)]).effects;
             let found = worlds(&log, &kinds, &named, &LEAST);
@@ -155,7 +155,8 @@ mod tests {
             held += holds(&found);
             alone += holds(&[World { effects: named, share: 1.0 }]);
         }
-        assert!(both >= 15 && held >= 15 && alone <= 2, "{both}, {held} and {alone} of 20");
+        // A robot that has both, always, is not one of nine in ten: that neither is there counts as well.
+        assert!(both >= 30 && held >= 26 && alone <= 4, "{both}, {held} and {alone} of 40");
     }
 
     /// One of two shows throughout a log, the other in two blocks of twenty. What counts of a nat that they gain together hangs on
