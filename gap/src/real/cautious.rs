@@ -100,7 +100,8 @@ mod tests {
 
     use super::*;
     use crate::judge::{Innovation, Share};
-    use crate::real::layers::{ANY_SHARE, Least, beside_one_another, layers, settle};
+    use crate::real::layers::{ANY_SHARE, Least, beside_one_another, layers};
+    use crate::real::settle::settle;
     use crate::real::unsure::sized;
     use crate::straight::Straight;
     use crate::weigh::groups::Signature;

@@ -7,10 +7,10 @@
 use asami_sim::effect::{Block, Place};
 
 use super::kin::Kin;
+use super::settle::{Settled, settle};
 use super::starts::About;
-use super::unsure::{blocks, sized};
+use super::unsure::sized;
 use crate::judge::Judge;
-use crate::newton::{Curvature, climb};
 use crate::plant::{Planted, Variant};
 use crate::weigh::cores::on_free_cores;
 use crate::weigh::evidence::{CLOSE, Weighed, weigh};
@@ -22,16 +22,6 @@ const MOST: usize = 12;
 const TRIED: usize = 6;
 /// Those that gain less by themselves are not, in nats.
 const LEAST_ALONE_NATS: f64 = 1.0;
-/// Steps of Newton's method.
-const STEPS: usize = 8;
-/// A step that gains less is the last, in nats.
-const GAINS_NOTHING_NATS: f64 = 0.05;
-/// Differences are taken over such a share of a size.
-const DIFFERENCE: f64 = 0.02;
-/// No step changes a size by more than so many times what it is.
-const LONGEST: f64 = 4.0;
-/// Precision of a prior that leaves a size which changes nothing where it is.
-const NEXT_TO_NOTHING: f64 = 1e-3;
 
 /// By this only what follows a rest comes late: a log tells that apart from a delay of all commands, and from a lag.
 const STARTS: &str = "late_start";
@@ -250,23 +240,6 @@ pub fn planted(layers: &[Layer]) -> Vec<Planted> {
     layers.iter().map(|layer| layer.weighed.best.clone()).collect()
 }
 
-/// Effects with their sizes found together.
-pub(super) struct Settled {
-    /// At their most likely sizes.
-    pub effects: Vec<Planted>,
-    /// The log-likelihood there.
-    pub likely: f64,
-    /// What counts of a nat that each of them gains: its variance as steps have it over that as blocks do (Pauli, Racugno and
-    /// Ventura 2011).
-    pub counts: Vec<f64>,
-}
-
-impl Settled {
-    fn last_counts(&self) -> f64 {
-        self.counts.last().copied().unwrap_or(1.0)
-    }
-}
-
 /// What may be put beside what is in the world, the most evident first, each with the sizes of all found together.
 pub(super) fn next(
     judge: &dyn Judge,
@@ -315,53 +288,6 @@ pub(super) fn further(judge: &dyn Judge, least: &Least, about: &About, likely: f
     tried
 }
 
-/// Finds all sizes together, by Newton's method. Steps are along sizes and not their logarithms: where effects make up for one another they do
-/// so along a straight line, which a step has to stay on.
-pub(super) fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
-    let block = blocks(judge);
-    let terms = |all: &[Planted]| judge.terms(&judge.numbers(all));
-    let total = |terms: &[f64]| terms.iter().fold(0.0, |sum, it| sum + it);
-    let mut here = terms(&all);
-    let mut counts = vec![1.0; all.len()];
-    for _ in 0..STEPS {
-        let scores: Vec<Vec<f64>> = on_free_cores((0..all.len()).collect(), |i| {
-            let at = |by: f64| {
-                let mut beside = all.clone();
-                beside[i].size *= 1.0 + by;
-                terms(&beside)
-            };
-            // On a narrow ridge a difference to one side is mostly what lies between; but no size is beyond its law.
-            let at_end = all[i].size * (1.0 + DIFFERENCE) > all[i].variant.sizes().1;
-            let (above, by) = if at_end { (here.clone(), DIFFERENCE) } else { (at(DIFFERENCE), 2.0 * DIFFERENCE) };
-            above.iter().zip(at(-DIFFERENCE)).map(|(above, below)| (above - below) / by).collect()
-        });
-        let Some(curvature) = Curvature::new(&scores, NEXT_TO_NOTHING) else { break };
-        let step = curvature.step(&scores.iter().map(|score| total(score)).collect::<Vec<f64>>());
-        let longest = step.iter().fold(LONGEST, |longest, it| longest.max(it.abs()));
-        let step: Vec<f64> = step.into_iter().map(|it| it * LONGEST / longest).collect();
-        let by_block = curvature.variances_by_block(&scores, &block).into_iter();
-        // Blocks are few: that errors in one made up for one another is not believed.
-        counts =
-            by_block.zip(curvature.variances()).map(|(by_block, by_step)| by_step / by_block.max(by_step)).collect();
-        let before = total(&here);
-        let better = climb(before, &[2.0], |share| {
-            let mut there = all.clone();
-            for (planted, step) in there.iter_mut().zip(&step) {
-                let (least, greatest) = planted.variant.sizes();
-                planted.size = (planted.size * (1.0 + share * step)).clamp(least, greatest);
-            }
-            let of_there = terms(&there);
-            (total(&of_there), (there, of_there))
-        });
-        let Some((found, (there, of_there))) = better else { break };
-        (all, here) = (there, of_there);
-        if found - before < GAINS_NOTHING_NATS {
-            break;
-        }
-    }
-    Settled { effects: all, likely: total(&here), counts }
-}
-
 /// Of tests, in which nothing is off but what is meant to be.
 #[cfg(test)]
 pub(super) const ANY_SHARE: Least =
@@ -393,5 +319,28 @@ mod tests {
         assert_eq!(names, ["command_scale"]);
         let [low, high] = found[0].weighed.interval;
         assert!(low < of(0, 0.5).size && of(0, 0.5).size < high, "{low} to {high}");
+    }
+
+    /// An effect of half the size that cases are drawn with at least, of which another would make up for a part, and for none of which a
+    /// third would, were there nothing so small.
+    #[test]
+    fn what_is_smaller_than_any_case_is_found_and_nothing_makes_up_for_it() {
+        let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
+        let least = kinds[0].sizes().0;
+        let truth = [least / 2.0, 0.2 * kinds[1].sizes().1].into_iter().zip(kinds.clone());
+        let truth: Vec<Planted> = truth.map(|(size, variant)| Planted { variant, size }).collect();
+        let per_least = kinds[0].sizes().1 / least;
+        let (a, b) = (|t: usize| (0.37 * t as f64).sin(), |t: usize| (0.91 * t as f64).sin());
+        let log = Straight::new(&truth, &[&|t| 2.0 * per_least * a(t), &|t| 5.0 * (a(t) + 0.5 * b(t))], Seed(6));
+        let off = |share: f64| {
+            let kinds = kinds.clone().map(|it| it.of_sizes_from(share));
+            let found = planted(&layers(&log, &kinds, &ANY_SHARE));
+            truth.iter().map(move |it| {
+                let size = found.iter().find(|other| other.variant == it.variant).map_or(0.0, |it| it.size);
+                size / it.size - 1.0
+            })
+        };
+        assert!(off(0.1).all(|it| it.abs() < 0.35), "{:?}", off(0.1).collect::<Vec<_>>());
+        assert!(off(1.0).any(|it| it.abs() > 0.7), "{:?}", off(1.0).collect::<Vec<_>>());
     }
 }

@@ -14,6 +14,7 @@ pub mod prior;
 mod ridge;
 pub mod scanner;
 mod scattered;
+mod settle;
 mod starts;
 mod unsettled;
 mod unsure;

@@ -3,7 +3,8 @@
 //! A verdict is on a gap. Which of two effects makes a few hundredths of it takes nothing back of what makes the rest: what is sure is
 //! named, and what the small part may be is said by itself.
 
-use super::layers::{Layer, Rival, planted, settle, take};
+use super::layers::{Layer, Rival, planted, take};
+use super::settle::settle;
 use super::{SURE, less, likeliest, odds, rivals};
 use crate::answer::diagnosis::{Suspect, Unsettled};
 use crate::judge::Judge;

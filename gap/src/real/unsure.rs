@@ -181,7 +181,8 @@ mod tests {
     use asami_math::elementary::{exp, ln};
 
     use super::*;
-    use crate::real::layers::{ANY_SHARE as LEAST, beside_one_another, settle};
+    use crate::real::layers::{ANY_SHARE as LEAST, beside_one_another};
+    use crate::real::settle::settle;
     use crate::straight::Straight;
     use crate::weigh::evidence::Weighed;
 

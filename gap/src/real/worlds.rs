@@ -2,7 +2,8 @@
 
 use asami_math::elementary::exp;
 
-use super::layers::{Least, Settled, beside_others, further, of_what_counts, settle};
+use super::layers::{Least, beside_others, further, of_what_counts};
+use super::settle::{Settled, settle};
 use super::starts::About;
 use crate::judge::Judge;
 use crate::plant::{Planted, Variant};
