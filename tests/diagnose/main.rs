@@ -144,6 +144,10 @@ fn a_planted_effect_is_named_and_repaired() {
 fn several_effects_of_a_real_log_are_named_and_repaired() {
     let bench = Bench::new();
     let log = bench.log("worn", "1004", &["image_delay.delay_s=0.08", "height_bias.bias_px=3.0"]);
+    let mut worn = store::read(&log).expect("written");
+    worn.log = worn.log.window(0.0..150.0);
+    let log = bench.path("two and a half minutes");
+    store::write(&worn, &log).expect("written");
     let done = bench.diagnose_with(&kept_library(), &log, "real", &["--real"]);
     assert_eq!(done.status.code(), Some(0), "{}", said(&done.stderr));
     let folder = bench.path("real");
