@@ -15,7 +15,7 @@ pub struct Variant {
     /// Parameters that are drawn from a choice.
     pub choices: Vec<(&'static str, f64)>,
     /// From which share of the least size that the law draws sizes are thought of.
-    pub from: f64,
+    pub(crate) from: f64,
 }
 
 /// Kinds are the same whatever sizes of them are thought of.

@@ -321,10 +321,9 @@ mod tests {
         assert!(low < of(0, 0.5).size && of(0, 0.5).size < high, "{low} to {high}");
     }
 
-    /// An effect of half the size that cases are drawn with at least, of which another would make up for a part, and for none of which a
-    /// third would, were there nothing so small.
+    /// An effect of half the least size that cases are drawn with: were nothing so small thought of, it would be missed or said too large.
     #[test]
-    fn what_is_smaller_than_any_case_is_found_and_nothing_makes_up_for_it() {
+    fn what_is_smaller_than_any_case_is_found() {
         let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
         let least = kinds[0].sizes().0;
         let truth = [least / 2.0, 0.2 * kinds[1].sizes().1].into_iter().zip(kinds.clone());

@@ -49,13 +49,13 @@ use unsettled::settled;
 use unsure::sized;
 use whole::whole;
 
+/// Nobody draws what a real robot has: an effect may be smaller, by this share, than the least that cases are drawn with, and a log say so.
+/// Were that least the least that is thought of, others would make up for it.
+const SMALLER: f64 = 0.1;
 /// Noise is learned, effects are named, and again, for the noise is what the effects leave; the likeliest of these counts.
 const ROUNDS: usize = 4;
 /// Of all effects at once, and of each beside what that leaves, it is thought again at most so often.
 const AGAIN: usize = 2;
-/// Nobody draws what a real robot has: an effect may be smaller, by this share, than the least that cases are drawn with, and a log say so.
-/// Were that least the least that is thought of, others would make up for it.
-const SMALLER: f64 = 0.1;
 /// Where that gains less, in nats, it is not.
 const GAINS_NOTHING_NATS: f64 = 1.0;
 /// In so many of the first ones it is looked for where the robot does not do what it is told.

@@ -40,12 +40,12 @@ pub struct Ridge {
     pub middle: Vec<f64>,
     /// How it bends, with each law's width for a standard deviation besides: what hardly bends has its top far beyond the laws.
     curvature: Curvature,
-    /// Where it is greatest, be it beyond the laws.
-    top: Vec<f64>,
     /// The same, as wide as sizes scatter.
     wide: Curvature,
     /// What of a nat counts then.
     counts: f64,
+    /// Where it is greatest, be it beyond the laws.
+    top: Vec<f64>,
     /// The laws' ends.
     laws: Vec<[f64; 2]>,
     /// From where on laws are even in a size's logarithm: below they are as even as there.
@@ -299,13 +299,17 @@ mod tests {
     use super::*;
     use crate::straight::Straight;
 
+    /// Two effects, at such shares of their greatest sizes.
+    fn at(shares: [f64; 2]) -> Vec<Planted> {
+        let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
+        let sized = shares.into_iter().zip(kinds);
+        sized.map(|(share, variant)| Planted { size: share * variant.sizes().1, variant }).collect()
+    }
+
     /// However it bends at one point, it is taken to bend as it does where sizes are believed to be.
     #[test]
     fn what_one_point_is_wrong_about_is_put_right() {
-        let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
-        let truth = [0.5, 0.98].into_iter().zip(kinds);
-        let truth: Vec<Planted> =
-            truth.map(|(share, variant)| Planted { size: share * variant.sizes().1, variant }).collect();
+        let truth = at([0.5, 0.98]);
         let alike = |t: usize| 9.0 * (0.37 * t as f64).sin();
         let log = Straight::new(&truth, &[&alike, &|t| alike(t) + 6.0 * (0.91 * t as f64).sin()], Seed(4));
         let about = || Ridge::about(&log, &truth, 2, (0..400).map(|t| t / 20).collect()).expect("finite");
@@ -335,10 +339,7 @@ mod tests {
     /// for nothing names it.
     #[test]
     fn the_walk_is_on_the_likelihood_and_not_on_the_gaussian() {
-        let kinds = ["command_scale", "wheel_base"].map(Straight::kind);
-        let truth = [0.5, 0.2].into_iter().zip(kinds);
-        let truth: Vec<Planted> =
-            truth.map(|(share, variant)| Planted { size: share * variant.sizes().1, variant }).collect();
+        let truth = at([0.5, 0.2]);
         let waves: [&dyn Fn(usize) -> f64; 2] =
             [&|t| 0.5 * (0.37 * t as f64).sin(), &|t| 0.5 * (0.91 * t as f64).sin()];
         let log = Straight::new(&truth, &waves, Seed(8));

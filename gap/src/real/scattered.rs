@@ -65,7 +65,7 @@ mod tests {
 
     use super::*;
 
-    /// Scores of three sizes, the first two of which nearly make up for each other; the third's are three times as large as they should
+    /// Scores of three sizes, the first two of which nearly make up for each other; the third's are `loud` times as large as they should
     /// be. 100 blocks of 20 steps.
     fn scores(loud: f64) -> (Vec<Vec<f64>>, Vec<usize>) {
         let mut rng = Seed(3).stream("scores");
@@ -76,17 +76,13 @@ mod tests {
         (vec![a, nearly, third], (0..2_000).map(|t| t / 20).collect())
     }
 
-    fn variances(of: &Curvature) -> Vec<f64> {
-        of.variances()
-    }
-
     /// Scores as they should be leave everything about as wide as it is, for the ridge along which two sizes lie as for the third.
     #[test]
     fn what_scatters_as_it_should_is_no_wider() {
         let (scores, block) = scores(1.0);
         let curvature = Curvature::new(&scores, 0.0).unwrap();
         let (found, counts) = scattered(&curvature, &scores, &block).unwrap();
-        for (found, it) in variances(&found).iter().zip(variances(&curvature)) {
+        for (found, it) in found.variances().iter().zip(curvature.variances()) {
             assert!((1.0..1.2).contains(&(found / it)), "{found} {it}");
         }
         assert!((0.85..=1.0).contains(&counts), "{counts}");
@@ -99,7 +95,7 @@ mod tests {
         let (loud, _) = scores(3.0);
         let curvature = Curvature::new(&quiet, 0.0).unwrap();
         let (found, counts) = scattered(&curvature, &loud, &block).unwrap();
-        let times: Vec<f64> = variances(&found).iter().zip(variances(&curvature)).map(|(a, b)| a / b).collect();
+        let times: Vec<f64> = found.variances().iter().zip(curvature.variances()).map(|(a, b)| a / b).collect();
         assert!((times[2] / 9.0 - 1.0).abs() < 0.3, "{times:?}");
         assert!(times[..2].iter().all(|it| (1.0..1.4).contains(it)), "{times:?}");
         assert!((counts / 9.0_f64.powf(-1.0 / 3.0) - 1.0).abs() < 0.15, "{counts}");
@@ -116,7 +112,7 @@ mod tests {
         for blocks in [1, 3] {
             let block: Vec<usize> = (0..2_000).map(|t| t * blocks / 2_000).collect();
             let (found, counts) = scattered(&curvature, &scores, &block).unwrap();
-            let times: Vec<f64> = variances(&found).iter().zip(variances(&curvature)).map(|(a, b)| a / b).collect();
+            let times: Vec<f64> = found.variances().iter().zip(curvature.variances()).map(|(a, b)| a / b).collect();
             assert!(times.iter().all(|it| (1.0 - 1e-9..6.0).contains(it)), "{blocks}: {times:?}");
             assert!(counts <= 1.0 && counts > 0.2, "{blocks}: {counts}");
         }

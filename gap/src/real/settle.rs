@@ -50,7 +50,7 @@ pub fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
                 beside[i].size *= 1.0 + by;
                 terms(&beside)
             };
-            // On a narrow ridge a difference to one side is mostly what lies between; but no size is beyond its law.
+            // On a narrow ridge a difference to one side is mostly what lies between; but no size is above the greatest of its law.
             let at_end = all[i].size * (1.0 + DIFFERENCE) > all[i].variant.sizes().1;
             let (above, by) = if at_end { (here.clone(), DIFFERENCE) } else { (at(DIFFERENCE), 2.0 * DIFFERENCE) };
             above.iter().zip(at(-DIFFERENCE)).map(|(above, below)| (above - below) / by).collect()
