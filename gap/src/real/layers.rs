@@ -13,7 +13,7 @@ use super::unsure::sized;
 use crate::judge::Judge;
 use crate::plant::{Planted, Variant};
 use crate::weigh::cores::on_free_cores;
-use crate::weigh::evidence::{CLOSE, Weighed, weigh};
+use crate::weigh::evidence::{CLOSE, QUICK, Weighed, weigh};
 use crate::weigh::groups::Signature;
 
 /// At most so many effects.
@@ -255,7 +255,7 @@ pub(super) fn next(
 /// The same of kinds whose slope is known.
 pub(super) fn further(judge: &dyn Judge, least: &Least, about: &About, likely: f64) -> Vec<(Weighed, Settled)> {
     let with = about.with;
-    let alone = weigh(judge, about.kinds, with, CLOSE).into_iter().map(|it| {
+    let alone = weigh(judge, about.kinds, with, QUICK).into_iter().map(|it| {
         let start = [with, std::slice::from_ref(&it.best)].concat();
         let evidence_nats = it.evidence_nats - least.kin.more_against_nats(it.effect);
         (Weighed { evidence_nats, ..it }, start)

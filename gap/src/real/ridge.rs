@@ -26,8 +26,10 @@ const WALK: usize = 60_000;
 const FIRST: usize = 2_000;
 /// The lengths of its steps, over those that suit a Gaussian (Gelman, Roberts and Gilks 1996): shorter ones for a corner of the laws.
 const STEPS: [f64; 3] = [1.0, 0.3, 0.1];
-/// Steps of the random walk on the likelihood itself, and its first ones.
-const TRUE_WALK: usize = 1_500;
+/// Steps of the random walks on the likelihood itself through all worlds, each as long as it is probable, but none shorter or longer than so;
+/// and the first ones of each.
+const TRUE_WALK: f64 = 6_000.0;
+const TRUE_WALKS: [usize; 2] = [300, 1_500];
 const TRUE_FIRST: usize = 150;
 /// Between two of them so many steps are walked on the Gaussian: many where it is like the likelihood, few where it is not.
 const LED: [usize; 3] = [3, 12, 48];
@@ -196,13 +198,16 @@ impl Ridge {
 
     /// Sizes as they are believed by the likelihood itself, which is so great, `from` these on: the Gaussian leads, and how much likelier
     /// the log is than by it says whether that is followed (the surrogate transition of Liu 2001, "Monte Carlo Strategies in Scientific
-    /// Computing", section 9.4.3). What parts them counts as much less as sizes are less sure than a likelihood that bends so says.
-    pub fn walk_on(&self, from: Vec<f64>, likely: impl Fn(&[f64]) -> f64, seed: Seed) -> Vec<Vec<f64>> {
+    /// Computing", section 9.4.3). What parts them counts as much less as sizes are less sure than a likelihood that bends so says. What is
+    /// but a `share` of all that is believed is walked on for no longer than it counts.
+    pub fn walk_on(&self, from: Vec<f64>, likely: impl Fn(&[f64]) -> f64, share: f64, seed: Seed) -> Vec<Vec<f64>> {
         let n = from.len();
+        let [shortest, longest] = TRUE_WALKS;
+        let walk = ((share * TRUE_WALK) as usize).clamp(shortest, longest);
         let likelier = |sizes: &[f64]| self.likelier(sizes, likely(sizes));
         let mut walker = Walker::new(self, seed, from);
         let mut here = likelier(&walker.here);
-        let steps = (0..TRUE_FIRST + TRUE_WALK).map(|step| {
+        let steps = (0..TRUE_FIRST + walk).map(|step| {
             let before = (walker.here.clone(), walker.density);
             (0..LED[step % LED.len()]).for_each(|_| walker.step());
             let there = if walker.here == before.0 { here } else { likelier(&walker.here) };
@@ -350,7 +355,7 @@ mod tests {
         let likely = |sizes: &[f64]| ln(bump(sizes, [0.8, 0.15], 0.08) + bump(sizes, [1.2, 1.2], 0.12) + 1e-12);
         let mut walked = vec![Vec::new(); 2];
         for seed in 0..8 {
-            let more = ridge.walk_on(ridge.of(&truth), likely, Seed(seed));
+            let more = ridge.walk_on(ridge.of(&truth), likely, 1.0, Seed(seed));
             walked.iter_mut().zip(more).for_each(|(walked, more)| walked.extend(more));
         }
         let cells = 240;

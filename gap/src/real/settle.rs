@@ -40,21 +40,14 @@ impl Settled {
 pub fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
     let block = blocks(judge);
     let terms = |all: &[Planted]| judge.terms(&judge.numbers(all));
-    let total = |terms: &[f64]| terms.iter().fold(0.0, |sum, it| sum + it);
     let mut here = terms(&all);
     let mut counts = vec![1.0; all.len()];
+    let mut bends = vec![None; all.len()];
     for _ in 0..STEPS {
-        let scores: Vec<Vec<f64>> = on_free_cores((0..all.len()).collect(), |i| {
-            let at = |by: f64| {
-                let mut beside = all.clone();
-                beside[i].size *= 1.0 + by;
-                terms(&beside)
-            };
-            // On a narrow ridge a difference to one side is mostly what lies between; but no size is above the greatest of its law.
-            let at_end = all[i].size * (1.0 + DIFFERENCE) > all[i].variant.sizes().1;
-            let (above, by) = if at_end { (here.clone(), DIFFERENCE) } else { (at(DIFFERENCE), 2.0 * DIFFERENCE) };
-            above.iter().zip(at(-DIFFERENCE)).map(|(above, below)| (above - below) / by).collect()
-        });
+        let of_each = bends.into_iter().enumerate().collect();
+        let slopes = on_free_cores(of_each, |(i, bends)| Slope::of(judge, &all, i, &here, bends));
+        let (scores, known): (Vec<Vec<f64>>, Vec<_>) = slopes.into_iter().map(|it| (it.score, it.bends)).unzip();
+        bends = known;
         let Some(curvature) = Curvature::new(&scores, NEXT_TO_NOTHING) else { break };
         let step = curvature.step(&scores.iter().map(|score| total(score)).collect::<Vec<f64>>());
         let longest = step.iter().fold(LONGEST, |longest, it| longest.max(it.abs()));
@@ -80,6 +73,43 @@ pub fn settle(judge: &dyn Judge, mut all: Vec<Planted>) -> Settled {
         }
     }
     Settled { effects: all, likely: total(&here), counts }
+}
+
+/// How steep the log-likelihood is in a size, by shares of it, and how it bends.
+struct Slope {
+    /// By step.
+    score: Vec<f64>,
+    /// Second derivatives, by sizes and by step, where it has been looked at.
+    bends: Option<Vec<f64>>,
+}
+
+impl Slope {
+    /// In one of these sizes, where steps are as likely as `here`. On a narrow ridge a difference to one side is mostly what lies between,
+    /// by which the likelihood bends: where that is not known yet, both sides are looked at.
+    fn of(judge: &dyn Judge, all: &[Planted], i: usize, here: &[f64], bends: Option<Vec<f64>>) -> Self {
+        let size = all[i].size;
+        let per_share = |by: f64| -> Vec<f64> {
+            let mut beside = all.to_vec();
+            beside[i].size *= 1.0 + by;
+            let there = judge.terms(&judge.numbers(&beside));
+            there.iter().zip(here).map(|(there, here)| (there - here) / by).collect()
+        };
+        // No size is above the greatest of its law.
+        let at_end = size * (1.0 + DIFFERENCE) > all[i].variant.sizes().1;
+        let by = if at_end { -DIFFERENCE } else { DIFFERENCE };
+        let side = per_share(by);
+        let looked_at = || -> Vec<f64> {
+            side.iter().zip(per_share(-by)).map(|(side, other)| (side - other) / (by * size * size)).collect()
+        };
+        let bends = bends.or_else(|| (!at_end).then(looked_at));
+        let between = |step: usize| bends.as_ref().map_or(0.0, |bends| 0.5 * by * size * size * bends[step]);
+        let score = side.iter().enumerate().map(|(step, side)| side - between(step)).collect();
+        Self { score, bends }
+    }
+}
+
+fn total(terms: &[f64]) -> f64 {
+    terms.iter().fold(0.0, |sum, it| sum + it)
 }
 
 #[cfg(test)]

@@ -112,7 +112,8 @@ pub fn walks<'a>(judge: &dyn Judge, worlds: &'a [World]) -> Vec<Walk<'a>> {
     let named = named(worlds);
     let walk = |world: &'a World| {
         let ridge = Ridge::about(judge, &world.effects, named, blocks(judge))?.looked_at(judge, &world.effects);
-        let mut sizes = ridge.walk_on(ridge.of(&world.effects), ridge.likely(judge, &world.effects), Seed(0));
+        let likely = ridge.likely(judge, &world.effects);
+        let mut sizes = ridge.walk_on(ridge.of(&world.effects), likely, world.share, Seed(0));
         for (sizes, middle) in sizes.iter_mut().zip(&ridge.middle) {
             sizes.iter_mut().for_each(|size| *size *= middle);
         }

@@ -18,12 +18,17 @@ pub struct Look {
     pub within_nats: f64,
     /// Kinds that gain less than this are not, in nats.
     pub least_nats: f64,
+    /// Whether every other size is enough of a kind that gains nothing at any of these: what rises before it falls gains something
+    /// at the last of them below its top, unless it rises in the very last digits of what a log says.
+    pub passes_over: bool,
 }
 
 /// At the effects of a log that may have any.
-pub const CLOSE: Look = Look { sizes: 8, within_nats: 25.0, least_nats: 1.0 };
+pub const CLOSE: Look = Look { sizes: 8, within_nats: 25.0, least_nats: 1.0, passes_over: false };
+/// The same, and no closer than need be.
+pub const QUICK: Look = Look { passes_over: true, ..CLOSE };
 /// At what may stand beside an effect.
-pub const PASSING: Look = Look { sizes: 4, within_nats: 8.0, least_nats: 2.0 };
+pub const PASSING: Look = Look { sizes: 4, within_nats: 8.0, least_nats: 2.0, passes_over: false };
 
 /// One effect, weighed.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,7 +124,12 @@ pub fn weigh(judge: &dyn Judge, variants: &[Variant], with: &[Planted], look: Lo
     let tried = on_free_cores(known, |variant| {
         let (least, greatest) = variant.sizes();
         let at = |i: usize| ln(least) + ln(greatest / least) * i as f64 / (look.sizes - 1) as f64;
-        let points = (0..look.sizes).map(|i| (at(i), gain(variant, at(i)))).collect();
+        let gain_at = |i: usize| (at(i), gain(variant, at(i)));
+        let mut points: Vec<(f64, f64)> = (0..look.sizes).step_by(2).map(gain_at).collect();
+        if !look.passes_over || points.iter().any(|it| it.1 > 0.0) {
+            points.extend((1..look.sizes).step_by(2).map(gain_at));
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
         Tried { variant: variant.clone(), points }
     });
     let mut effects: Vec<(&'static str, Vec<Tried>)> = Vec::new();
@@ -233,7 +243,10 @@ fn holding([low, high]: [f64; 2], value: f64) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use asami_dataset::Seed;
+
     use super::*;
+    use crate::straight::Straight;
 
     fn tried(points: Vec<(f64, f64)>) -> Tried {
         let about = asami_sim::effects::catalogue()[0];
@@ -286,6 +299,30 @@ mod tests {
             refine(&mut kind, &|_, x| peak(x));
             assert!((kind.best().1 - peak(at)).abs() < 0.5, "{sd} {at}: {:?} {}", kind.best(), peak(at));
         }
+    }
+
+    /// Of effects with tops anywhere, some of them narrow, what is passed over are those whose every size makes a log less likely, and nothing
+    /// else: the others are as evident, and as large, as without.
+    #[test]
+    fn what_gains_nothing_is_passed_over_and_nothing_else() {
+        let kinds = ["command_scale", "wheel_base"].map(Straight::kind).map(|it| it.of_sizes_from(0.1));
+        let (a, b) = (|t: usize| 60.0 * (0.37 * t as f64).sin(), |t: usize| 20.0 * (0.91 * t as f64).sin());
+        let mut passed_over = 0;
+        for (i, share) in [-0.5, -0.05, 0.001, 0.01, 0.04, 0.1, 0.3, 0.6, 0.97].into_iter().enumerate() {
+            let sized = kinds.iter().zip([share, 0.2]);
+            let truth: Vec<Planted> =
+                sized.map(|(kind, share)| Planted { variant: kind.clone(), size: share * kind.sizes().1 }).collect();
+            let log = Straight::new(&truth, &[&a, &b], Seed(i as u64));
+            let [close, quick] = [CLOSE, QUICK].map(|look| weigh(&log, &kinds[..1], &truth[1..], look));
+            let [closely, quickly] = [&close, &quick].map(|it| &it[0]);
+            if closely.gain_nats > 0.0 {
+                assert_eq!(closely, quickly, "{share}");
+            } else {
+                passed_over += 1;
+                assert!(quickly.gain_nats <= 0.0 && quickly.evidence_nats < 0.0, "{share}: {quickly:?}");
+            }
+        }
+        assert_eq!(passed_over, 3);
     }
 
     #[test]
