@@ -294,6 +294,17 @@ impl Shape {
         ((share * BANDS as f64).clamp(0.0, BANDS as f64 - 1.0)) as usize
     }
 
+    /// The two bands between whose middles a distance lies, with weights that add up to 1; outside of all, the nearest.
+    #[must_use]
+    pub fn between_bands(&self, distance_m: f64) -> [(usize, f64); 2] {
+        let [near_m, far_m] = self.near_far_m;
+        let share = (distance_m - near_m) / (far_m - near_m).max(1e-9);
+        let from_first = (share * BANDS as f64 - 0.5).clamp(0.0, BANDS as f64 - 1.0);
+        let below = (from_first as usize).min(BANDS - 2);
+        let above = from_first - below as f64;
+        [(below, 1.0 - above), (below + 1, above)]
+    }
+
     /// Which bin of the shares seen; `None` where a landmark is not expected to be seen at all.
     #[must_use]
     pub fn bin(&self, distance_m: f64, off_rad: f64) -> Option<usize> {

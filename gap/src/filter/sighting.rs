@@ -3,12 +3,13 @@
 use std::ops::AddAssign;
 
 use asami_math::angle::wrap_rad;
+use asami_math::elementary::exp;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
 use super::told::{Odd, Told};
 use super::{Kalman, Ready, by_pose};
 use crate::memory::Memory;
-use crate::shape::Sight;
+use crate::shape::{Numbers, Sight};
 use crate::state::{Belief, State};
 use crate::tails::Tails;
 use crate::view::{Seen, View};
@@ -67,9 +68,9 @@ impl Ready<'_> {
             let turned = of_pose.column(1) * moved[0] - of_pose.column(0) * moved[1];
             of_pose.column_mut(2).add_assign(&turned);
         }
-        let band = self.shape.band(sight.distance_m);
         let sways = self.sways(view, i);
-        let vars = [self.size_vars[band], if view.aims { self.bearing_vars[band] } else { RAIL_RAD * RAIL_RAD }];
+        let [of_size, of_bearing] = self.noise_vars(sight.distance_m);
+        let vars = [of_size, if view.aims { of_bearing } else { RAIL_RAD * RAIL_RAD }];
         let vars = [0, 1].map(|k| vars[k] * sways[k].scale * sways[k].scale);
         let plain = Vector2::new(size - expected[0], wrap_rad(bearing_rad - expected[1]));
         let mut plain = plain + of_pose * step.fixed_rows::<3>(0);
@@ -88,6 +89,22 @@ impl Ready<'_> {
         let r = Matrix2::from_diagonal(&Vector2::new(white_var(0), white_var(1)));
         let tails = if view.aims { tails } else { Tails::default() };
         (Odd { plain, h, r, spread, tails, aims: view.aims }, sight.distance_m)
+    }
+
+    /// Variances of what sizes and bearings of a landmark so far away scatter by. Of a real robot they change evenly from the middle of one
+    /// band of distances to that of the next: whatever size moves a robot from one into another would step over nats between them.
+    fn noise_vars(&self, distance_m: f64) -> [f64; 2] {
+        let band = self.shape.band(distance_m);
+        match self.kalman {
+            Kalman::Extended => [self.size_vars[band], self.bearing_vars[band]],
+            Kalman::Invariant => {
+                let near = self.shape.between_bands(distance_m);
+                [Numbers::SizeNoise, Numbers::BearingNoise].map(|noise| {
+                    let ln_sds = &self.numbers[self.shape.range(noise)];
+                    exp(2.0 * near.iter().fold(0.0, |sum, (band, weight)| sum + weight * ln_sds[*band]))
+                })
+            }
+        }
     }
 
     /// What a sighting tells that a robot's belief rules out, had the robot jumped.
