@@ -229,6 +229,26 @@ fn noise_is_learned_where_nothing_is_diagnosed_with_it() {
     assert!((total - reading.total()).abs() < 1e-6, "{total} {}", reading.total());
 }
 
+/// Noise may be another at each distance: whatever size takes a robot a little nearer to landmarks, a log is a little likelier or less
+/// likely for it. Were noise that of a band of distances, each landmark that goes from one into another would be a step.
+#[test]
+fn a_real_logs_likelihood_has_no_steps() {
+    let log = log([1.0; 3], &[planted("command_scale", 1.0, 0.02)], 33);
+    let judge = Sighted::scoring(&log, library(), &[], |_| true).unwrap();
+    let shape = &library().base.shape;
+    let likely = |k: u32| {
+        let mut numbers = library().numbers(&[planted("command_scale", 1.0, 0.02 + 1e-5 * f64::from(k))]);
+        for (i, more) in shape.range(Numbers::SizeNoise).zip([-0.5, 0.0, 0.5]) {
+            numbers[i] += more;
+        }
+        judge.terms(&numbers).iter().sum::<f64>()
+    };
+    let at: Vec<f64> = (0..=300).map(likely).collect();
+    // A hundredth of a nat is where what a sighting tells is taken to be linear.
+    let most = at.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+    assert!(most < 0.03, "{most}");
+}
+
 /// With one noise for all folds they are one log, whatever is in the world.
 #[test]
 fn folds_of_one_noise_are_one_log() {
