@@ -4,19 +4,20 @@
 //! A scenario of the recording says what is learned from it and how. The same is learned from simulated logs that stand in for
 //! the recording: of the nominal world, and of worlds as they are believed after the log's diagnosis, with the effects that it
 //! names, what else may be there and the noise that it learned, with the same seeds and for each seed another. What a learner errs by on
-//! the real robot comes of what is unsure, too. They are told what the recording's robot was told, and are scored by where a robot's axle
-//! is and where it goes: capture's own frame hangs on how markers were put on.
+//! the real robot comes of what is unsure, too. They have much of the recording's robot besides ([`super::stand_in`]), and are scored by
+//! where a robot's axle is and where it goes: capture's own frame hangs on how markers were put on.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use asami_dataset::{Command, Dataset, Seed};
+use asami_dataset::{Dataset, Seed};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::capture::of_axle;
 use super::record::{Part, Record};
 use super::scenario::{Learning, Source};
+use super::stand_in::Original;
 use crate::diagnose::Ready;
 use crate::diagnose::progress::Listener;
 use crate::diagnose::repaired::{self, cause};
@@ -74,8 +75,8 @@ pub struct Lesson {
 /// Errors that are foretold.
 pub const MEASURES: [&str; 4] = ["vx_rmse_mm_per_s", "vy_rmse_mm_per_s", "vtheta_rmse_rad_per_s", "sensor_rmse_mm"];
 
-/// Commands of a recording's robots.
-pub type Told = BTreeMap<Option<u16>, Vec<Command>>;
+/// Robots of a recording.
+pub type Originals = BTreeMap<Option<u16>, Original>;
 
 /// Learns from every log that has a scenario to be learned by and effects that were named, and from the simulated ones in its
 /// place.
@@ -87,7 +88,7 @@ pub fn lessons(
     source: &Source,
     path: &std::path::Path,
     records: &[Record],
-    (ready, told): (&Ready, &Told),
+    (ready, originals): (&Ready, &Originals),
     options: &Options,
     listener: &dyn Listener,
 ) -> Result<Vec<Lesson>, miette::Report> {
@@ -125,7 +126,7 @@ pub fn lessons(
     let mut all = learn(World::Real, None, Recorded::open_as(&recording, path, of_axle)?)?;
     for seed in 0..u64::from(learning.seeds) {
         for world in [World::Nominal, World::Repaired] {
-            all.extend(learn(world, Some(seed), stand_ins(&recording, &worlds, told, world, seed)?)?);
+            all.extend(learn(world, Some(seed), stand_ins(&recording, &worlds, originals, world, seed)?)?);
         }
     }
     Ok(all)
@@ -192,7 +193,7 @@ fn repairs(source: &Source, records: &[Record], ready: &Ready) -> Result<Repairs
 fn stand_ins(
     recording: &Recording,
     worlds: &Repairs,
-    told: &Told,
+    originals: &Originals,
     world: World,
     seed: u64,
 ) -> Result<Recorded, miette::Report> {
@@ -202,8 +203,8 @@ fn stand_ins(
         let simulation = Simulation { duration_s: until_s, ..worlds[&robot].of(world, seed).clone() };
         // The same for both worlds, so that they differ by nothing else.
         let seed = Seed(1 + 100 * seed + u64::from(robot.unwrap_or_default()));
-        let commands = told.get(&robot).cloned().unwrap_or_default();
-        let dataset: Dataset = simulation.replayed(commands, seed).map_err(crate::verb::plain)?;
+        let original = originals.get(&robot).cloned().unwrap_or_default();
+        let dataset: Dataset = original.stand_in(&simulation, seed).map_err(crate::verb::plain)?;
         Ok((robot, dataset))
     });
     Recorded::of(recording, wholes.collect::<Result<_, miette::Report>>()?, &PathBuf::from("a simulated log"))

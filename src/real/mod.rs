@@ -16,5 +16,6 @@ pub mod pairs;
 pub mod record;
 pub mod scanner;
 pub mod scenario;
+pub mod stand_in;
 pub mod tables;
 pub mod walk;

@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use asami_dataset::{Command, Dataset, Log};
+use asami_dataset::{Dataset, Log};
 use asami_gap::real::prior::Prior;
 use asami_gap::real::scanner::Found;
 use asami_gap::{Diagnosis, Nominal};
@@ -16,13 +16,14 @@ use rayon::prelude::*;
 use super::among::{LEAST, as_halves_differ, beside_make};
 use super::capture::errors::errors;
 use super::capture::steering::of_car;
-use super::capture::{Capture, capture};
+use super::capture::{Capture, capture, of_axle};
 use super::kept::Kept;
 use super::learning::{Lesson, lessons};
 use super::odometry::{Clocks, OfOthers};
 use super::record::{Part, Record, in_order, name};
 use super::scanner;
 use super::scenario::{Real, Source};
+use super::stand_in::Original;
 use crate::diagnose::limits::of_real;
 use crate::diagnose::progress::Listener;
 use crate::diagnose::{self, Ready};
@@ -50,8 +51,8 @@ struct Prepared<'a> {
     source: &'a Source,
     robot: Option<u16>,
     dataset: Dataset,
-    /// What it was told, whenever it took that up.
-    told: Vec<Command>,
+    /// What stands in for it has this of it.
+    original: Original,
     clocks: Clocks,
     ready: &'a Ready,
     /// Of log and truth.
@@ -96,10 +97,10 @@ pub fn run(
     }
     let prepared: Vec<Prepared<'_>> = datasets
         .into_iter()
-        .map(|(source, robot, Imported { dataset, told, clocks, .. })| {
+        .map(|(source, robot, Imported { dataset, original, clocks, .. })| {
             let ready = &worlds[source.nominal.as_str()];
             let hash = blake3::hash(format!("{:?}\n{:?}", dataset.log, dataset.truth).as_bytes()).to_hex();
-            Prepared { source, robot, dataset, told, clocks, ready, hash: hash.to_string() }
+            Prepared { source, robot, dataset, original, clocks, ready, hash: hash.to_string() }
         })
         .collect();
     let logs: Vec<&str> = prepared.iter().map(|it| it.hash.as_str()).collect();
@@ -119,8 +120,9 @@ pub fn run(
         if let Some(learning) = real.asked.learning.as_ref().filter(|_| source.learned_in.is_some()) {
             let ready = &worlds[source.nominal.as_str()];
             let of = prepared.iter().filter(|it| it.source.name == source.name);
-            let told = of.map(|it| (it.robot, it.told.clone())).collect();
-            all.extend(lessons(learning, source, &place(source, data), &records, (ready, &told), options, listener)?);
+            let originals = of.map(|it| (it.robot, it.original.clone())).collect();
+            let (path, by) = (place(source, data), (ready, &originals));
+            all.extend(lessons(learning, source, &path, &records, by, options, listener)?);
         }
     }
     Ok(Results { real: real.clone(), records, among, lessons: all })
@@ -140,7 +142,7 @@ struct Imported {
     /// As it was.
     given: Log,
     dataset: Dataset,
-    told: Vec<Command>,
+    original: Original,
     clocks: Clocks,
 }
 
@@ -153,8 +155,9 @@ fn imported(source: &Source, robot: Option<u16>, path: &Path) -> Result<Imported
         Ok(imported) => {
             let Dataset { log: given, truth, provenance } = imported.dataset;
             let told = source.readied().but_for_clocks().of(&given).0.commands.to_vec();
+            let original = Original::of(&given, &of_axle(&truth.track), told);
             let (log, clocks) = source.readied().of(&given);
-            Ok(Imported { given, dataset: Dataset { log, truth, provenance }, told, clocks })
+            Ok(Imported { given, dataset: Dataset { log, truth, provenance }, original, clocks })
         }
         Err(error) if path.exists() => Err(miette::miette!("{error}")),
         Err(error) => Err(miette::miette!(help = "if it lies elsewhere: --only NAME --data DIR", "{error}")),
@@ -317,6 +320,6 @@ impl Prepared<'_> {
             Policy::Roam(roams) => roams.create.wheels.lag_s,
             _ => 0.0,
         };
-        capture(seen, &self.told, own_lag_s)
+        capture(seen, &self.original.told, own_lag_s)
     }
 }
