@@ -120,9 +120,6 @@ pub fn table(all: &[Foretold]) -> Table {
     }
     for ((log, place), group) in groups {
         let factors: Vec<[f64; 2]> = group.iter().filter_map(|it| Some([it.before()?, it.after()?])).collect();
-        if factors.is_empty() {
-            continue;
-        }
         let of = |k: usize| {
             let middle = median(&factors.iter().map(|it| it[k]).collect::<Vec<f64>>());
             middle.map_or_else(Cell::default, |it| words::digits(it).into())
@@ -180,6 +177,12 @@ mod tests {
         assert_eq!(all[1].before(), None);
         let shown = table(&all).markdown();
         assert!(shown.contains("| 2.00 | 1.25 | 1 of 1 | 1 of 1 | 0.50 | 0.00 |"), "{shown}");
+        // Where none converges that is what is said.
+        let none = foretold(
+            &lessons[2..3].iter().chain(&[lesson(World::Real, None, false, 4.0)]).cloned().collect::<Vec<_>>(),
+        );
+        let shown = table(&none).markdown();
+        assert!(shown.contains("| 0 |") && shown.contains("| 0 of 0 | 0 of 1 | 0.00 | 0.00 |"), "{shown}");
         let row = csv("real", &all).lines().nth(1).unwrap().to_owned();
         let scores = [4.0, 2.0, 5.0].map(asami_dataset::store::number).join(",");
         assert!(row.starts_with(&format!("real,m,1,em,vx_rmse_mm_per_s,{scores},")), "{row}");

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use asami_dataset::{Action, Beacon, Command, Dataset, Log, Rng, Seed, Sighting, TruePose};
+use asami_dataset::{Action, Beacon, Channel, Command, Dataset, Log, Rng, Seed, Sighting, TruePose};
 use asami_sim::scenes::field::{Cylinder, Field, Landmark};
 use rand::seq::index::sample;
 
@@ -16,6 +16,8 @@ use crate::simulate::CannotSimulate;
 /// In each stretch of this length a stand-in sees no more landmarks than the robot did, but for as many again that it saw fewer of before:
 /// some pictures long, and shorter than it looks at nothing.
 const STRETCH_S: f64 = 2.0;
+/// No arena of a scenario is narrower: landmarks in a line leave a robot no way to go.
+const NARROWEST_M: f64 = 0.5;
 
 /// What a stand-in has of the robot that it stands in for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,8 +26,8 @@ pub struct Original {
     pub told: Vec<Command>,
     /// The landmarks around it.
     landmarks: Vec<Beacon>,
-    /// Of everything that it saw: when.
-    seen_s: Vec<f64>,
+    /// Everything that it saw.
+    seen: Channel<Sighting>,
     /// Where it was as it was first told something.
     stood: Option<TruePose>,
 }
@@ -36,12 +38,10 @@ impl Original {
     pub fn of(log: &Log, track: &[TruePose], told: Vec<Command>) -> Self {
         let began_s = told.first().map_or(0.0, |first| first.t_s);
         let stood = track.iter().find(|pose| pose.t_s >= began_s).copied();
-        let seen_s = log.sightings.iter().map(|seen| seen.t_s).collect();
-        Self { told, landmarks: log.known.landmarks.clone(), seen_s, stood }
+        Self { told, landmarks: log.known.landmarks.clone(), seen: log.sightings.clone(), stood }
     }
 
     /// What it was told, by the recording's clock: before anything, to stand.
-    #[must_use]
     fn commands(&self) -> Vec<Command> {
         let stands = Action::Wheels { id: None, v_m_per_s: 0.0, omega_rad_per_s: 0.0 };
         let late = self.told.first().filter(|first| first.t_s > 0.0);
@@ -69,7 +69,8 @@ impl Original {
         made.start =
             Placement { x_m: stood.x_m - x_m, y_m: stood.y_m - y_m, theta_rad: stood.theta_rad, y_spread_m: 0.0 };
         if let Policy::Roam(roams) = &mut made.drive {
-            (roams.roaming.arena_x_m, roams.roaming.arena_y_m) = (x.end - x.start, y.end - y.start);
+            let [x_m, y_m] = [x, y].map(|reach| (reach.end - reach.start).max(NARROWEST_M));
+            (roams.roaming.arena_x_m, roams.roaming.arena_y_m) = (x_m, y_m);
         }
         made
     }
@@ -80,21 +81,18 @@ impl Original {
     /// If the robot cannot be built.
     pub fn stand_in(&self, world: &Simulation, seed: Seed) -> Result<Dataset, CannotSimulate> {
         let mut made = self.around(world).replayed(self.commands(), seed)?;
-        made.log.sightings = shown(&made.log.sightings, &self.seen_s, &mut seed.stream("shown")).into();
+        made.log.sightings = shown(&made.log.sightings, &self.seen, &mut seed.stream("shown")).into();
         Ok(made)
     }
 }
 
-/// As many of these sightings as were seen at such times, stretch by stretch, drawn by `rng`: what a stretch has too few of, later ones make
-/// up for. Both in order of time.
-fn shown(sightings: &[Sighting], seen_s: &[f64], rng: &mut Rng) -> Vec<Sighting> {
+/// As many of these sightings as the robot had, stretch by stretch, drawn by `rng`: what a stretch has too few of, later ones make up for.
+fn shown(sightings: &Channel<Sighting>, seen: &Channel<Sighting>, rng: &mut Rng) -> Vec<Sighting> {
     let end_s = sightings.last().map_or(0.0, |last| last.t_s);
     let (mut kept, mut owed) = (Vec::new(), 0);
     for stretch in 0..=(end_s / STRETCH_S) as usize {
-        let [from_s, to_s] = [stretch, stretch + 1].map(|i| STRETCH_S * i as f64);
-        let wanted = seen_s.partition_point(|t_s| *t_s < to_s) - seen_s.partition_point(|t_s| *t_s < from_s);
-        let within = sightings.partition_point(|it| it.t_s < from_s)..sightings.partition_point(|it| it.t_s < to_s);
-        let there = &sightings[within];
+        let span_s = STRETCH_S * stretch as f64..STRETCH_S * (stretch + 1) as f64;
+        let (there, wanted) = (sightings.window(&span_s), seen.window(&span_s).len());
         let shown = there.len().min(wanted + wanted.min(owed));
         owed = owed + wanted - shown;
         let mut drawn = sample(rng, there.len(), shown).into_vec();
@@ -120,10 +118,11 @@ mod tests {
     /// Ten a second there are; the robot saw four a second, none for ten seconds, twenty a second for two, and then two.
     #[test]
     fn as_much_is_shown_as_was_seen_and_no_sooner() {
-        let there: Vec<Sighting> = (0..400).map(|i| seen(0.1 * f64::from(i), i as u16)).collect();
+        let there: Channel<Sighting> = (0..400).map(|i| seen(0.1 * f64::from(i), i as u16)).collect::<Vec<_>>().into();
         let every = |from_s: f64, n: u32, hz: f64| (0..n).map(move |i| from_s + f64::from(i) / hz);
-        let seen_s: Vec<f64> = every(0.0, 40, 4.0).chain(every(20.0, 40, 20.0)).chain(every(22.0, 36, 2.0)).collect();
-        let shown = shown(&there, &seen_s, &mut Seed(1).stream("test"));
+        let times_s = every(0.0, 40, 4.0).chain(every(20.0, 40, 20.0)).chain(every(22.0, 36, 2.0));
+        let had: Channel<Sighting> = times_s.map(|t_s| seen(t_s, 6)).collect::<Vec<_>>().into();
+        let shown = shown(&there, &had, &mut Seed(1).stream("test"));
         let within = |from_s: f64, to_s: f64| shown.iter().filter(|it| (from_s..to_s).contains(&it.t_s)).count();
         assert_eq!([within(0.0, 10.0), within(10.0, 20.0), within(20.0, 22.0)], [40, 0, 20]);
         // Twenty are owed, and made up for by no more than there would be anyhow.
@@ -131,7 +130,7 @@ mod tests {
         assert!(shown.windows(2).all(|pair| pair[0].t_s < pair[1].t_s));
         // Which of them is drawn.
         let early = |seed: u64| {
-            super::shown(&there, &seen_s, &mut Seed(seed).stream("test")).iter().map(|it| it.landmark).sum::<u16>()
+            super::shown(&there, &had, &mut Seed(seed).stream("test")).iter().map(|it| it.landmark).sum::<u16>()
         };
         assert_ne!(early(2), early(3));
     }
@@ -166,6 +165,10 @@ mod tests {
         let way_m = hypot(at(30.0).x_m - at(20.0).x_m, at(30.0).y_m - at(20.0).y_m);
         assert!((way_m - 1.0).abs() < 0.05, "{way_m}");
         assert!(!made.log.sightings.is_empty() && made.log.sightings.len() <= 150);
+        // Landmarks in a line with where it stood leave it some room.
+        let in_line = Original { landmarks: vec![beacon(6, 12.0, 0.0)], ..original.clone() };
+        let Policy::Roam(roams) = in_line.around(&world).drive else { panic!("it roams") };
+        assert_eq!([roams.roaming.arena_x_m, roams.roaming.arena_y_m], [NARROWEST_M, 3.0]);
         // A log without a track has nothing of the kind.
         assert_eq!(Original { stood: None, ..original }.around(&world), *world);
     }
