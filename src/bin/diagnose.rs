@@ -66,6 +66,10 @@ struct Arguments {
     /// as they were taken up, where the log tells
     #[arg(long, value_name = "S", requires = "real")]
     command_cycle_s: Option<f64>,
+    /// Of a real log, what is seen of a landmark within S seconds is put together, at the mean of their times, but for what is seen before
+    /// or after commands change
+    #[arg(long, value_name = "S", requires = "real")]
+    points_s: Option<f64>,
     /// Of a real log's frames, which are off alike where they follow at once, one in S seconds is taken
     #[arg(long, value_name = "S", requires = "real")]
     every_s: Option<f64>,
@@ -89,8 +93,8 @@ struct Arguments {
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     verb::main(|| {
-        let Arguments { average_s, earlier_s, camera_hz, command_cycle_s, every_s, .. } = arguments;
-        let readied = Readied { average_s, earlier_s, camera_hz, command_cycle_s, every_s };
+        let Arguments { average_s, earlier_s, camera_hz, command_cycle_s, points_s, every_s, .. } = arguments;
+        let readied = Readied { average_s, earlier_s, camera_hz, command_cycle_s, points_s, every_s };
         if let Some((key, message)) = readied.faults().first() {
             miette::bail!("--{}: {message}", key.replace('_', "-"));
         }

@@ -13,6 +13,7 @@ pub mod learning;
 pub mod make;
 pub mod odometry;
 pub mod pairs;
+pub mod points;
 pub mod record;
 pub mod scanner;
 pub mod scenario;

@@ -9,6 +9,7 @@ use asami_dataset::{Action, Channel, Command, Frame, Log};
 
 use super::clock::dated;
 use super::cycle::{dated_like_others, taken_up, taken_up_like_others};
+use super::points::normal_points;
 
 /// What is made of a real log before it is diagnosed: in this order, where it is said.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,6 +22,8 @@ pub struct Readied {
     pub camera_hz: Option<f64>,
     /// About how long a cycle is in which commands are taken up once: see [`super::cycle`].
     pub command_cycle_s: Option<f64>,
+    /// Over how long what is seen of a landmark is put together: see [`super::points`].
+    pub points_s: Option<f64>,
     /// How far apart frames are, [`thinned`].
     pub every_s: Option<f64>,
 }
@@ -85,6 +88,9 @@ impl Readied {
             (made, clocks.command_cycle_s) = (told.log, told.period_s);
             clocks.said.push(told.said);
         }
+        if let Some(over_s) = self.points_s {
+            made = normal_points(&made, over_s);
+        }
         if let Some(every_s) = self.every_s {
             made = thinned(&made, every_s);
         }
@@ -99,6 +105,7 @@ impl Readied {
             ("earlier_s", self.earlier_s, 0.001..=1.0, "s"),
             ("camera_hz", self.camera_hz, 0.5..=200.0, "Hz"),
             ("command_cycle_s", self.command_cycle_s, 0.02..=2.0, "s"),
+            ("points_s", self.points_s, 0.01..=5.0, "s"),
             ("every_s", self.every_s, 0.001..=10.0, "s"),
         ];
         let out_of_range = keys.into_iter().filter_map(|(key, value, range, unit)| {
@@ -230,12 +237,13 @@ mod tests {
             earlier_s: Some(2.0),
             camera_hz: Some(0.0),
             command_cycle_s: Some(9.0),
+            points_s: Some(6.0),
             every_s: Some(0.0),
         };
         let faults = wrong.faults();
         assert_eq!(
             faults.iter().map(|it| it.0).collect::<Vec<_>>(),
-            ["average_s", "earlier_s", "camera_hz", "command_cycle_s", "every_s"]
+            ["average_s", "earlier_s", "camera_hz", "command_cycle_s", "points_s", "every_s"]
         );
         assert_eq!(faults[1].1, "earlier_s must lie in 0.001..=1 s, not 2");
         assert_eq!(faults[2].1, "camera_hz must lie in 0.5..=200 Hz, not 0");

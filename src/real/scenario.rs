@@ -71,6 +71,9 @@ pub struct Source {
     /// About how long a cycle is in which commands are taken up once: see [`super::cycle`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command_cycle_s: Option<f64>,
+    /// Over how long what is seen of a landmark is put together: see [`super::points`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points_s: Option<f64>,
     /// Of frames that follow at once, one in so long is taken: see [`super::odometry`].
     pub every_s: Option<f64>,
     /// Effects are found both one after another and backwards from all of them at once: see [`Search`].
@@ -84,8 +87,8 @@ impl Source {
     /// What is made of its logs.
     #[must_use]
     pub fn readied(&self) -> Readied {
-        let Self { average_s, earlier_s, camera_hz, command_cycle_s, every_s, .. } = *self;
-        Readied { average_s, earlier_s, camera_hz, command_cycle_s, every_s }
+        let Self { average_s, earlier_s, camera_hz, command_cycle_s, points_s, every_s, .. } = *self;
+        Readied { average_s, earlier_s, camera_hz, command_cycle_s, points_s, every_s }
     }
 
     /// In which order its effects are found.
