@@ -1,5 +1,5 @@
 //! Odometry that stands in for commands: its noise is averaged away, and it is dated by when the robot was told; and frames that
-//! follow at once, which say little of their own.
+//! follow at once, which say little of their own, or are put together.
 //!
 //! A speed that was measured is off by a noise of its own at every reading. Taken for what was commanded, it would make a
 //! robot seem to do less than it is told, the more so the shorter the time over which it is looked at (regression dilution,
@@ -9,7 +9,7 @@ use asami_dataset::{Action, Channel, Command, Frame, Log};
 
 use super::clock::dated;
 use super::cycle::{dated_like_others, taken_up, taken_up_like_others};
-use super::points::normal_points;
+use super::points::put_together;
 
 /// What is made of a real log before it is diagnosed: in this order, where it is said.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,7 +31,7 @@ pub struct Readied {
 /// What became of the clocks of a robot's own that were asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Clocks {
-    /// In words, of each.
+    /// In words, of each, and of normal points.
     pub said: Vec<String>,
     /// From each picture to the next, if what was seen was taken back.
     pub picture_period_s: Option<f64>,
@@ -89,7 +89,9 @@ impl Readied {
             clocks.said.push(told.said);
         }
         if let Some(over_s) = self.points_s {
-            made = normal_points(&made, over_s);
+            let (points, said) = put_together(&made, over_s);
+            made = points;
+            clocks.said.push(said);
         }
         if let Some(every_s) = self.every_s {
             made = thinned(&made, every_s);
@@ -224,6 +226,8 @@ mod tests {
         assert_eq!(Readied::default().of(&given), (given.clone(), Clocks::default()));
         let all = Readied { average_s: Some(0.5), earlier_s: Some(0.1), every_s: Some(0.3), ..Readied::default() };
         assert_eq!(all.of(&given).0, thinned(&earlier(&averaged(&given, 0.5), 0.1), 0.3));
+        let points = Readied { points_s: Some(0.5), ..Readied::default() }.of(&given);
+        assert_eq!((points.0, points.1.said.len()), (given.clone(), 1));
         let clocks = Readied { camera_hz: Some(10.0), command_cycle_s: Some(0.2), ..Readied::default() };
         let (left, Clocks { said, picture_period_s: None, command_cycle_s: None }) = clocks.of(&given) else {
             panic!("a log without sightings tells no clock")

@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use asami_dataset::{Channel, Command, Frame, Log, Sighting, Size};
+use asami_dataset::{Action, Channel, Command, Frame, Log, Sighting, Size};
 use asami_math::angle::wrap_rad;
 use asami_math::elementary::{atan2, hypot, sin_cos};
 
@@ -19,13 +19,29 @@ const SETTLES_S: f64 = 0.4;
 /// What it is told changes by more: m/s and rad/s.
 const CHANGES: [f64; 2] = [0.03, 0.1];
 
-/// The log with what is seen of each landmark in each stretch of this length put together, but for what is seen before or after commands
-/// change. Heights in pixels stay as they are.
+/// The log with its [`normal_points`], and in words how many there are.
+#[must_use]
+pub fn put_together(log: &Log, over_s: f64) -> (Log, String) {
+    let in_ranges = log.sightings.iter().all(|seen| matches!(seen.size, Size::RangeM(_)));
+    let on_wheels = log.commands.iter().all(|told| matches!(told.action, Action::Wheels { .. }));
+    if !in_ranges || !on_wheels {
+        let lacks = if in_ranges { "commands to wheels" } else { "ranges in metres" };
+        return (log.clone(), format!("nothing that is seen is put together without {lacks}: it stays as it was"));
+    }
+    let made = normal_points(log, over_s);
+    let said = format!(
+        "what is seen of a landmark within {over_s} s is put together where commands do not change: of {} sightings {} are left, each \
+         the mean of some, or one that stands alone",
+        log.sightings.len(),
+        made.sightings.len()
+    );
+    (made, said)
+}
+
+/// The log with what is seen of each landmark in each stretch of this length put together, by ranges in metres, but for what is seen before
+/// or after commands change.
 #[must_use]
 pub fn normal_points(log: &Log, over_s: f64) -> Log {
-    if log.sightings.iter().any(|seen| matches!(seen.size, Size::HeightPx(_))) {
-        return log.clone();
-    }
     let told = Commanded::new(&log.commands, 0.0, over_s);
     let changes_s = changes_s(&log.commands);
     let frames = in_frames(&log.sightings);
@@ -120,7 +136,7 @@ fn frames_of(points: &[Sighting], frames: &Channel<Frame>) -> Channel<Frame> {
 
 #[cfg(test)]
 mod tests {
-    use asami_dataset::{Action, Seed};
+    use asami_dataset::Seed;
     use rand::RngExt;
     use rand_distr::StandardNormal;
 
@@ -197,28 +213,36 @@ mod tests {
     #[test]
     fn nothing_is_put_together_over_a_change_of_commands() {
         let commands =
-            vec![command(0.0, 0.0, 0.0), command(2.1, 0.1, 0.0), command(4.0, 0.1, 0.02), command(8.0, 0.1, 0.4)];
+            vec![command(0.0, 0.0, 0.0), command(2.05, 0.1, 0.0), command(4.0, 0.1, 0.02), command(8.0, 0.1, 0.4)];
         let log = Log {
             commands: commands.into(),
-            sightings: seen_on_the_way(2.1, [0.1, 0.0], 9.0, 6).into(),
+            sightings: seen_on_the_way(2.05, [0.1, 0.0], 9.0, 6).into(),
             ..Log::default()
         };
         let points = normal_points(&log, 1.0).sightings;
         let times_s: Vec<f64> = points.iter().map(|it| it.t_s).collect();
-        // From 2.5 s on it has settled; a turn that is hardly one is none; before 8.4 s it has not.
+        // From 2.45 s on it has settled; a turn that is hardly one is none; before 8.4 s it has not.
         assert_eq!(times_s, [0.375, 1.375, 2.625, 3.375, 4.375, 5.375, 6.375, 7.375, 8.625]);
     }
 
     #[test]
-    fn heights_stay_and_frames_are_those_of_points() {
+    fn what_has_no_ranges_or_wheels_stays_and_frames_are_those_of_points() {
         let tall = Sighting { t_s: 0.1, landmark: 6, size: Size::HeightPx(40.0), bearing_rad: 0.0 };
         let log = Log { sightings: vec![tall, Sighting { t_s: 0.2, ..tall }].into(), ..Log::default() };
-        assert_eq!(normal_points(&log, 1.0), log);
-        assert_eq!(normal_points(&Log::default(), 1.0), Log::default());
+        let (left, said) = put_together(&log, 1.0);
+        assert!(left == log && said.contains("without ranges in metres"), "{said}");
+        let near = Sighting { size: Size::RangeM(2.0), ..tall };
+        let pedals = Action::Pedals { throttle: 0.5, brake: 0.0, steering: 0.0 };
+        let driven = Command { t_s: 0.0, action: pedals };
+        let log = Log { commands: vec![driven].into(), sightings: vec![near; 2].into(), ..Log::default() };
+        let (left, said) = put_together(&log, 1.0);
+        assert!(left == log && said.contains("without commands to wheels"), "{said}");
+        assert_eq!(put_together(&Log::default(), 1.0).0, Log::default());
         let frames: Vec<Frame> = (0..40).map(|i| Frame { t_s: 0.25 * f64::from(i), head_pan_rad: 0.1 }).collect();
         let sightings = seen_on_the_way(1e9, [0.0; 2], 10.0, 6).into();
         let log = Log { frames: Some(frames.into()), sightings, ..Log::default() };
-        let made = normal_points(&log, 1.0);
+        let (made, said) = put_together(&log, 1.0);
+        assert!(said.contains("of 40 sightings 10 are left"), "{said}");
         let times_s: Vec<f64> = made.frames.iter().flat_map(|it| it.iter()).map(|it| it.t_s).collect();
         assert_eq!(times_s, made.sightings.iter().map(|it| it.t_s).collect::<Vec<_>>());
     }

@@ -214,6 +214,7 @@ mod tests {
         };
         assert!(said("\"mrclam\"", "\"clam\"").contains("unknown format `clam`"));
         assert!(said("nominal =", "every_s = 11.0\nnominal =").contains("every_s must lie in 0.001..=10 s, not 11"));
+        assert!(said("nominal =", "points_s = 0.0\nnominal =").contains("points_s must lie in 0.01..=5 s, not 0"));
         assert!(said("nominal =", "earlier_s = 3.0\nnominal =").contains("earlier_s must lie in 0.001..=1 s, not 3"));
         assert!(
             said("nominal =", "camera_hz = 1e3\nnominal =").contains("camera_hz must lie in 0.5..=200 Hz, not 1000")

@@ -56,6 +56,7 @@ fn what_shows_nothing_is_said_and_exits_2() {
     for (options, why) in [
         (&["--without", "comand_delay"][..], "did you mean command_delay?"),
         (&["--real", "--every-s", "0"], "--every-s: every_s must lie in 0.001..=10 s, not 0"),
+        (&["--real", "--points-s", "9"], "--points-s: points_s must lie in 0.01..=5 s, not 9"),
         (&["--real", "--earlier-s", "1.5"], "--earlier-s: earlier_s must lie in 0.001..=1 s, not 1.5"),
         (&["--average-s", "1"], "--real"),
     ] {
