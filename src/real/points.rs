@@ -14,34 +14,40 @@ use asami_math::elementary::{atan2, hypot, sin_cos};
 
 use super::commanded::Commanded;
 
-/// A robot does what it is told by then.
+/// A robot does what it is told by then: a rule of thumb, for cycles of 0.2 s and motors that lag by as much.
 const SETTLES_S: f64 = 0.4;
-/// What it is told changes by more: m/s and rad/s.
+/// What it is told changes by more, in m/s and rad/s: a rule of thumb, more than a robot that steers straight on corrects by.
 const CHANGES: [f64; 2] = [0.03, 0.1];
 
-/// The log with its [`normal_points`], and in words how many there are.
+/// The log with what is seen of each landmark in each stretch of this length put together, but for what is seen before or after commands
+/// change; and in words how much is left, or why all is. What was missed no longer shows: a mean is of no frame.
 #[must_use]
 pub fn put_together(log: &Log, over_s: f64) -> (Log, String) {
-    let in_ranges = log.sightings.iter().all(|seen| matches!(seen.size, Size::RangeM(_)));
-    let on_wheels = log.commands.iter().all(|told| matches!(told.action, Action::Wheels { .. }));
-    if !in_ranges || !on_wheels {
-        let lacks = if in_ranges { "commands to wheels" } else { "ranges in metres" };
+    if let Some(lacks) = lacks(log) {
         return (log.clone(), format!("nothing that is seen is put together without {lacks}: it stays as it was"));
     }
-    let made = normal_points(log, over_s);
+    let sightings = normal_points(log, over_s);
     let said = format!(
         "what is seen of a landmark within {over_s} s is put together where commands do not change: of {} sightings {} are left, each \
          the mean of some, or one that stands alone",
         log.sightings.len(),
-        made.sightings.len()
+        sightings.len()
     );
-    (made, said)
+    (Log { frames: None, sightings: sightings.into(), ..log.clone() }, said)
 }
 
-/// The log with what is seen of each landmark in each stretch of this length put together, by ranges in metres, but for what is seen before
-/// or after commands change.
-#[must_use]
-pub fn normal_points(log: &Log, over_s: f64) -> Log {
+/// What it takes to say where a landmark is seen from a little later, and the log has not.
+fn lacks(log: &Log) -> Option<&'static str> {
+    let looks_ahead = |frames: &Channel<Frame>| frames.iter().all(|frame| frame.head_pan_rad == 0.0);
+    let needs = [
+        ("ranges in metres", log.sightings.iter().all(|seen| matches!(seen.size, Size::RangeM(_)))),
+        ("commands to wheels", log.commands.iter().all(|told| matches!(told.action, Action::Wheels { .. }))),
+        ("a sensor that keeps looking ahead", log.frames.as_ref().is_none_or(looks_ahead)),
+    ];
+    needs.into_iter().find(|(_, there)| !there).map(|(what, _)| what)
+}
+
+fn normal_points(log: &Log, over_s: f64) -> Vec<Sighting> {
     let told = Commanded::new(&log.commands, 0.0, over_s);
     let changes_s = changes_s(&log.commands);
     let frames = in_frames(&log.sightings);
@@ -55,8 +61,7 @@ pub fn normal_points(log: &Log, over_s: f64) -> Log {
         rest = later;
     }
     points.sort_by(|a, b| a.t_s.total_cmp(&b.t_s).then(a.landmark.cmp(&b.landmark)));
-    let frames = log.frames.as_ref().map(|frames| frames_of(&points, frames));
-    Log { frames, sightings: points.into(), ..log.clone() }
+    points
 }
 
 /// Sightings by when they were.
@@ -98,10 +103,11 @@ fn together(frames: &[&[Sighting]], told: &Commanded) -> Vec<Sighting> {
 
 /// The mean of sightings of a landmark, at the mean of their times.
 fn point(all: &[Sighting], told: &Commanded) -> Sighting {
-    let n = all.len() as f64;
-    if all.len() == 1 {
-        return all[0];
+    // As it was read, to the last digit.
+    if let [alone] = all {
+        return *alone;
     }
+    let n = all.len() as f64;
     // From the first on, so that times are exact to the last digit.
     let t_s = all[0].t_s + all.iter().map(|seen| seen.t_s - all[0].t_s).sum::<f64>() / n;
     let seen: Vec<[f64; 2]> = all.iter().map(|seen| seen_at(seen, t_s, told)).collect();
@@ -121,17 +127,6 @@ fn seen_at(seen: &Sighting, t_s: f64, told: &Commanded) -> [f64; 2] {
     // To the right and ahead of where it was seen from.
     let (right_m, ahead_m) = (-range_m * sin + way_m * sin_halfway, range_m * cos - way_m * cos_halfway);
     [hypot(right_m, ahead_m), wrap_rad(atan2(-right_m, ahead_m) - turn_rad)]
-}
-
-/// A frame for each time at which there is a point, as the last before it.
-fn frames_of(points: &[Sighting], frames: &Channel<Frame>) -> Channel<Frame> {
-    let of = |point: &Sighting| {
-        let before = frames.partition_point(|frame| frame.t_s <= point.t_s).checked_sub(1)?;
-        Some(Frame { t_s: point.t_s, ..frames[before] })
-    };
-    let mut all: Vec<Frame> = points.iter().filter_map(of).collect();
-    all.dedup_by_key(|frame| frame.t_s.to_bits());
-    all.into()
 }
 
 #[cfg(test)]
@@ -170,7 +165,7 @@ mod tests {
             sightings: seen_on_the_way(0.0, [0.11, 0.045], 20.0, 6).into(),
             ..Log::default()
         };
-        let points = normal_points(&log, 1.0).sightings;
+        let points = normal_points(&log, 1.0);
         assert_eq!(points.len(), 20);
         for point in points.iter() {
             // In the middle of four sightings is none: of the two next to it the mean, which is off by their second difference alone.
@@ -196,7 +191,7 @@ mod tests {
             [6, 7].iter().flat_map(|id| seen_on_the_way(1e9, [0.0; 2], 400.0, *id)).map(&mut noisy).collect();
         sightings.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
         let log = Log { commands: vec![command(0.0, 0.0, 0.0)].into(), sightings: sightings.into(), ..Log::default() };
-        let points = normal_points(&log, 1.0).sightings;
+        let points = normal_points(&log, 1.0);
         assert_eq!(points.len(), 800);
         let rms =
             |off: &dyn Fn(&Sighting) -> f64| (points.iter().map(|it| off(it).powi(2)).sum::<f64>() / 800.0).sqrt();
@@ -219,31 +214,39 @@ mod tests {
             sightings: seen_on_the_way(2.05, [0.1, 0.0], 9.0, 6).into(),
             ..Log::default()
         };
-        let points = normal_points(&log, 1.0).sightings;
+        let points = normal_points(&log, 1.0);
         let times_s: Vec<f64> = points.iter().map(|it| it.t_s).collect();
         // From 2.45 s on it has settled; a turn that is hardly one is none; before 8.4 s it has not.
         assert_eq!(times_s, [0.375, 1.375, 2.625, 3.375, 4.375, 5.375, 6.375, 7.375, 8.625]);
     }
 
+    /// Neither heights, nor pedals, nor a head that turns say where a landmark is seen from a little later.
     #[test]
-    fn what_has_no_ranges_or_wheels_stays_and_frames_are_those_of_points() {
-        let tall = Sighting { t_s: 0.1, landmark: 6, size: Size::HeightPx(40.0), bearing_rad: 0.0 };
-        let log = Log { sightings: vec![tall, Sighting { t_s: 0.2, ..tall }].into(), ..Log::default() };
-        let (left, said) = put_together(&log, 1.0);
-        assert!(left == log && said.contains("without ranges in metres"), "{said}");
-        let near = Sighting { size: Size::RangeM(2.0), ..tall };
-        let pedals = Action::Pedals { throttle: 0.5, brake: 0.0, steering: 0.0 };
-        let driven = Command { t_s: 0.0, action: pedals };
-        let log = Log { commands: vec![driven].into(), sightings: vec![near; 2].into(), ..Log::default() };
-        let (left, said) = put_together(&log, 1.0);
-        assert!(left == log && said.contains("without commands to wheels"), "{said}");
+    fn what_cannot_be_put_together_stays_and_says_why() {
+        let near = Sighting { t_s: 0.1, landmark: 6, size: Size::RangeM(2.0), bearing_rad: 0.0 };
+        let tall = Sighting { size: Size::HeightPx(40.0), ..near };
+        let pedals = Command { t_s: 0.0, action: Action::Pedals { throttle: 0.5, brake: 0.0, steering: 0.0 } };
+        let aside = Frame { t_s: 0.1, head_pan_rad: 0.1 };
+        let of = |sighting: Sighting| Log { sightings: vec![sighting; 2].into(), ..Log::default() };
+        for (log, lacks) in [
+            (of(tall), "ranges in metres"),
+            (Log { commands: vec![pedals].into(), ..of(near) }, "commands to wheels"),
+            (Log { frames: Some(vec![aside].into()), ..of(near) }, "a sensor that keeps looking ahead"),
+        ] {
+            let (left, said) = put_together(&log, 1.0);
+            assert!(left == log && said.contains(lacks), "{said}");
+        }
         assert_eq!(put_together(&Log::default(), 1.0).0, Log::default());
-        let frames: Vec<Frame> = (0..40).map(|i| Frame { t_s: 0.25 * f64::from(i), head_pan_rad: 0.1 }).collect();
+    }
+
+    /// A mean of some frames is of none: had each of them a frame of its own, all other landmarks would seem to be missed in it.
+    #[test]
+    fn what_was_missed_no_longer_shows() {
+        let frames: Vec<Frame> = (0..40).map(|i| Frame { t_s: 0.25 * f64::from(i), head_pan_rad: 0.0 }).collect();
         let sightings = seen_on_the_way(1e9, [0.0; 2], 10.0, 6).into();
         let log = Log { frames: Some(frames.into()), sightings, ..Log::default() };
         let (made, said) = put_together(&log, 1.0);
+        assert!(made.frames.is_none() && made.sightings.len() == 10, "{made:?}");
         assert!(said.contains("of 40 sightings 10 are left"), "{said}");
-        let times_s: Vec<f64> = made.frames.iter().flat_map(|it| it.iter()).map(|it| it.t_s).collect();
-        assert_eq!(times_s, made.sightings.iter().map(|it| it.t_s).collect::<Vec<_>>());
     }
 }
